@@ -1,0 +1,103 @@
+"""ipmlang: a grammar language for procedural modelling, and the way back from drawings to grammars.
+
+The tour, from a text to a picture:
+
+>>> import ipmlang
+>>> fence = ipmlang.parse('''
+... ipm 1
+... attr pickets : int = 4 in 1..99 "how many"
+... Fence --> repeat(i < pickets) { [F(30)] -(90) f(8) +(90) }
+... start +(90) Fence
+... ''')
+>>> scene = fence.run(attrs={"pickets": 3})
+>>> len(scene.instances)
+3
+>>> ipmlang.save(scene, "fence.svg")  # doctest: +SKIP
+
+A file is `ipmlang.load("fence.ipm")`; a drawing becomes a grammar with `ipmlang.infer("fence.svg")`.
+Every error is an `ipmlang.IpmError`, whose `diagnostics` say what, where and how to mend it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ipmlang.compiler.diagnostics import Diagnostic, IpmError
+
+if TYPE_CHECKING:
+    from ipmlang.compiler.checked import Checked
+    from ipmlang.compiler.ir import Limits, Program
+    from ipmlang.inverse import Inference
+    from ipmlang.runtime.scene import Scene
+
+__all__ = ["Grammar", "IpmError", "infer", "load", "parse", "save"]
+__version__ = "0.1.0"
+
+
+@dataclass(frozen=True, slots=True)
+class Grammar:
+    """A checked grammar, ready to run. `warnings` are what the checker had to say."""
+
+    checked: Checked
+    program: Program
+    warnings: tuple[Diagnostic, ...] = ()
+
+    def run(
+        self,
+        *,
+        seed: int = 0,
+        attrs: Mapping[str, int | float | bool | str] | None = None,
+        backend: str = "cpu",
+        limits: Limits | None = None,
+    ) -> Scene:
+        """Derive the grammar into a scene: a table of instances in derivation order.
+
+        Raises IpmError for an unknown attribute, a value out of range, a limit that was reached.
+        """
+        from ipmlang.runtime import derive
+
+        return derive(self.program, seed=seed, attrs=attrs, backend=backend, limits=limits)
+
+    def format(self) -> str:
+        """The grammar's text in the one layout of the language."""
+        from ipmlang.compiler.format import format_grammar
+
+        return format_grammar(self.checked.grammar)
+
+
+def load(path: str | Path, *, allow_outside: bool = False) -> Grammar:
+    """Read, check and lower the grammar in a file.
+
+    `allow_outside` lets assets and imports lie outside the grammar's own folder.
+    Raises IpmError with every error of the file.
+    """
+    from ipmlang.compiler import compile_file
+
+    return Grammar(*compile_file(Path(path), allow_outside=allow_outside))
+
+
+def parse(text: str, *, folder: str | Path = ".") -> Grammar:
+    """The same for a text; `folder` is where its assets and imports are looked for."""
+    from ipmlang.compiler import compile_text
+
+    return Grammar(*compile_text(text, folder=Path(folder)))
+
+
+def infer(path: str | Path, *, method: str = "auto", flat: bool = False) -> Inference:
+    """Read a drawing and find the grammar a person would have written for it.
+
+    `flat` keeps one placement per element. The result has the grammar, a report and `save(path)`.
+    """
+    from ipmlang.inverse import infer as infer_file
+
+    return infer_file(Path(path), method=method, flat=flat)
+
+
+def save(scene: Scene, path: str | Path) -> None:
+    """Write a scene as svg, png, obj, glb, ply or stl, by the path's suffix; whole or not at all."""
+    from ipmlang.runtime.export import save as save_scene
+
+    save_scene(scene, Path(path))

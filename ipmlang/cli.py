@@ -1,0 +1,365 @@
+"""The commands `infer`, `run`, `check` and `fmt`: the only code that prints, exits or renders
+diagnostics.
+
+Each command reads files, calls the library, and prints either a few lines for a person or, with
+`--json`, one object for a machine. Exit codes: 0 fine, 1 the user's file is wrong, 2 the command is
+wrong. Libraries are imported inside the commands, so that each starts in a blink.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail, render
+
+if TYPE_CHECKING:
+    from ipmlang.compiler.ir import Limits
+    from ipmlang.inverse import Inference
+    from ipmlang.runtime.scene import Scene
+
+USER_FILE_WRONG, COMMAND_WRONG = 1, 2
+COMMAND_CODES = frozenset(
+    {"unknown-attribute", "attribute-type", "attribute-range", "backend-missing", "unknown-suffix",
+     "unknown-method", "bad-command"}
+)  # fmt: skip
+
+
+def run_command_line(arguments: Sequence[str]) -> int:
+    """Run one command and return its exit code; nothing but diagnostics reaches the user."""
+    try:
+        commands.main(args=list(arguments), prog_name="ipmlang", standalone_mode=False)
+    except click.exceptions.Exit as end:
+        return end.exit_code
+    except click.ClickException as error:
+        error.show()
+        return COMMAND_WRONG
+    except IpmError as error:
+        for each in error.diagnostics:
+            click.echo(render(each) + "\n", err=True)
+        return exit_code(error.diagnostics)
+    except KeyboardInterrupt:
+        click.echo("stopped: nothing was written", err=True)
+        return COMMAND_WRONG
+    except BrokenPipeError:
+        return 0
+    except MemoryError:
+        click.echo("error[memory]: this machine has no memory left for it; nothing was written", err=True)
+        return USER_FILE_WRONG
+    return 0
+
+
+def exit_code(diagnostics: Sequence[Diagnostic]) -> int:
+    """2 when the command itself asked for something that does not exist, else 1."""
+    command = any(each.code in COMMAND_CODES for each in diagnostics)
+    return COMMAND_WRONG if command else USER_FILE_WRONG
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 96})
+@click.version_option(package_name="ipmlang", prog_name="ipmlang")
+def commands() -> None:
+    """A grammar language for procedural modelling.
+
+    \b
+    ipmlang infer garden.svg -o garden.ipm     read a drawing, print its grammar
+    ipmlang run garden.ipm -o new.svg          derive a grammar into a drawing or a model
+    """
+
+
+@commands.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("-o", "--output", required=True, type=click.Path(path_type=Path),
+              help="where to write: .svg .png .obj .glb .ply .stl")
+@click.option("--seed", type=click.IntRange(0, 2**64 - 1), default=0, show_default=True,
+              help="the number all randomness comes from")
+@click.option("--set", "settings", multiple=True, metavar="NAME=VALUE",
+              help="give an attribute a value; may be repeated")
+@click.option("--backend", type=click.Choice(["auto", "cpu", "gpu"]), default="auto",
+              show_default=True, help="what derives the grammar")
+@click.option("--limit", "limits", multiple=True, metavar="KIND=NUMBER",
+              help="stop at so many shapes, steps, depth or bytes of memory")
+@click.option("--allow-outside", is_flag=True, help="let assets lie outside the grammar's folder")
+@click.option("--instancing", is_flag=True, help="write glb instances with EXT_mesh_gpu_instancing")
+@click.option("--json", "as_json", is_flag=True, help="print one JSON object")
+def run(file: Path, output: Path, seed: int, settings: tuple[str, ...], backend: str,
+        limits: tuple[str, ...], allow_outside: bool, instancing: bool, as_json: bool) -> None:
+    """Derive the grammar in FILE and write what it draws.
+
+    \b
+    Example:
+      ipmlang run garden.ipm -o garden.svg --seed 3 --set pickets=30
+    """  # fmt: skip
+    from ipmlang import load
+    from ipmlang.runtime.export import check_output, save
+
+    check_output(output)
+    grammar = load(file, allow_outside=allow_outside)
+    show_warnings(grammar.warnings)
+    started = time.process_time()
+    with working(f"deriving {file.name}"):
+        scene = grammar.run(
+            seed=seed,
+            attrs=parse_settings(settings),
+            backend=backend,
+            limits=parse_limits(grammar.program.limits, limits),
+        )
+    derived = time.process_time()
+    with working(f"writing {output.name}"):
+        save(scene, output, instancing=instancing)
+    report = run_report(scene, derived - started, time.process_time() - derived, output)
+    if as_json:
+        click.echo(json.dumps(report))
+    else:
+        click.echo(f"{output}: {len(scene.instances)} terminals in {report['seconds']:.3g} s")
+
+
+@commands.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("-o", "--output", type=click.Path(path_type=Path),
+              help="the grammar to write, .ipm; its parts file goes beside it")
+@click.option("--method", type=click.Choice(["auto", "lsystem", "split", "docking"]),
+              default="auto", show_default=True, help="which inverse method")
+@click.option("--flat", is_flag=True, help="one placement per element, no rules: the baseline")
+@click.option("--json", "as_json", is_flag=True, help="print one JSON object")
+def infer(file: Path, output: Path | None, method: str, flat: bool, as_json: bool) -> None:
+    """Read the drawing in FILE and write the grammar a person would have written.
+
+    The grammar is derived and compared with the drawing before it is written.
+
+    \b
+    Example:
+      ipmlang infer garden.svg -o garden.ipm
+    """  # fmt: skip
+    from ipmlang.inverse import infer as infer_file
+
+    if output is not None and output.suffix != ".ipm":
+        raise fail("bad-command", f"a grammar is written to a .ipm file, not `{output.name}`")
+    with working(f"reading {file.name}") as say:
+        found = infer_file(file, method=method, flat=flat, progress=say)
+    if output is not None:
+        found.save(output)
+    tell_inference(found, output, as_json)
+
+
+@commands.command()
+@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--allow-outside", is_flag=True, help="let assets lie outside the grammar's folder")
+@click.option("--json", "as_json", is_flag=True, help="print one JSON object")
+def check(files: tuple[Path, ...], allow_outside: bool, as_json: bool) -> None:
+    """Report every error of each grammar in FILES.
+
+    \b
+    Example:
+      ipmlang check garden.ipm
+    """
+    from ipmlang.compiler import check as check_grammar
+    from ipmlang.compiler import load
+
+    found: list[Diagnostic] = []
+    for path in files:
+        try:
+            found += check_grammar(load(path, allow_outside=allow_outside)).diagnostics
+        except IpmError as error:
+            found += error.diagnostics
+    errors = [each for each in found if each.severity == "error"]
+    if as_json:
+        click.echo(json.dumps({"files": len(files), "errors": len(errors),
+                               "diagnostics": [as_record(each) for each in found]}))  # fmt: skip
+    else:
+        for each in found:
+            click.echo(render(each) + "\n", err=True)
+        click.echo(f"{len(files)} file{'s' * (len(files) != 1)}: "
+                   f"{len(errors)} errors, {len(found) - len(errors)} warnings")  # fmt: skip
+    if errors:
+        raise click.exceptions.Exit(USER_FILE_WRONG)
+
+
+@commands.command()
+@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--check", "only_check", is_flag=True, help="change nothing; exit 1 if it would")
+@click.option("--stdout", is_flag=True, help="print the result instead of rewriting the file")
+@click.option("--json", "as_json", is_flag=True, help="print one JSON object")
+def fmt(files: tuple[Path, ...], only_check: bool, stdout: bool, as_json: bool) -> None:
+    """Lay out the grammars in FILES in the one way of the language; comments are kept.
+
+    \b
+    Example:
+      ipmlang fmt garden.ipm
+    """
+    changed: list[str] = []
+    for path in files:
+        before, after = formatted(path)
+        if stdout:
+            click.echo(after, nl=False)
+        elif before != after:
+            changed.append(str(path))
+            if not only_check:
+                write_text(path, after)
+    if as_json:
+        click.echo(json.dumps({"files": len(files), "changed": changed}))
+    elif not stdout:
+        for name in changed:
+            click.echo(f"{'would change' if only_check else 'formatted'} {name}")
+    if only_check and changed:
+        raise click.exceptions.Exit(USER_FILE_WRONG)
+
+
+def formatted(path: Path) -> tuple[str, str]:
+    """A file's text as it is and as it should be; a file with syntax errors is left alone."""
+    from ipmlang.compiler.format import format_grammar
+    from ipmlang.compiler.load import read_source
+    from ipmlang.compiler.parse import parse
+
+    source = read_source(path)
+    grammar, diagnostics = parse(source)
+    if diagnostics:
+        raise IpmError(diagnostics)
+    return source.text, format_grammar(grammar)
+
+
+def write_text(path: Path, text: str) -> None:
+    """Replace a text file as a whole."""
+    from ipmlang.formats import FormatError
+    from ipmlang.formats.atomic import write_files
+
+    try:
+        write_files({path: text.encode("utf-8")})
+    except FormatError as error:
+        raise fail("cannot-write", error.message, hint=error.hint) from error
+
+
+def parse_settings(settings: Sequence[str]) -> dict[str, int | float | bool | str]:
+    """`floors=6` to a value: a number, true or false, else a text."""
+    values: dict[str, int | float | bool | str] = {}
+    for setting in settings:
+        name, equals, text = setting.partition("=")
+        if not equals or not name.strip():
+            raise fail("bad-command", f"`--set {setting}` has no value",
+                       hint="write --set name=value, for example --set pickets=30")  # fmt: skip
+        values[name.strip()] = parse_value(text.strip())
+    return values
+
+
+def parse_value(text: str) -> int | float | bool | str:
+    """The value a person means by a word on the command line."""
+    if text in ("true", "false"):
+        return text == "true"
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text[1:-1] if len(text) > 1 and text[0] == text[-1] == '"' else text
+
+
+def parse_limits(limits: Limits, words: Sequence[str]) -> Limits:
+    """The grammar's own limits with those of the command line over them."""
+    from dataclasses import replace
+
+    kinds = ("shapes", "steps", "depth", "memory")
+    for word in words:
+        kind, _, number = word.partition("=")
+        try:
+            value = int(float(number))
+        except (ValueError, OverflowError):
+            value = -1
+        if kind not in kinds or value < 0:
+            raise fail("bad-command", f"`--limit {word}` is not a limit",
+                       hint=f"write --limit kind=number with kind one of {', '.join(kinds)}")  # fmt: skip
+        limits = replace(limits, **{kind: value})
+    return limits
+
+
+def run_report(scene: Scene, seconds: float, writing: float, output: Path) -> dict[str, object]:
+    """What `run --json` prints; seconds are CPU seconds of deriving, start-up not counted."""
+    return {
+        "output": str(output),
+        "terminals": len(scene.instances),
+        "shapes": scene.shapes,
+        "generations": scene.generations,
+        "seconds": round(seconds, 6),
+        "seconds_writing": round(writing, 6),
+        "peak_memory_bytes": peak_memory(),
+        "seed": scene.seed,
+        "backend": scene.backend,
+    }
+
+
+def tell_inference(found: Inference, output: Path | None, as_json: bool) -> None:
+    """Print an inference: its JSON report, its summary, or, without an output, the grammar itself."""
+    if as_json:
+        click.echo(json.dumps(found.report.as_record()))
+    elif output is None:
+        click.echo(found.text, nl=False)
+    else:
+        click.echo(f"{output}: {found.report.summary()}")
+
+
+def as_record(diagnostic: Diagnostic) -> dict[str, object]:
+    """A diagnostic as JSON: code, severity, message, place, expectation, suggestions."""
+    record: dict[str, object] = {
+        "code": diagnostic.code,
+        "severity": diagnostic.severity,
+        "message": diagnostic.message,
+        "expected": diagnostic.expected,
+        "hint": diagnostic.hint,
+        "suggestions": list(diagnostic.suggestions),
+    }
+    if diagnostic.source is not None:
+        line, column, _ = diagnostic.source.place(diagnostic.start)
+        record |= {"file": diagnostic.source.path, "line": line, "column": column}
+    return record
+
+
+def show_warnings(warnings: Sequence[Diagnostic]) -> None:
+    """Print warnings, which stop nothing, to standard error."""
+    for each in warnings:
+        click.echo(render(each) + "\n", err=True)
+
+
+def peak_memory() -> int:
+    """The most memory this process ever held, in bytes; 0 where the system does not tell."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return 0
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak if sys.platform == "darwin" else peak * 1024
+
+
+class Say:
+    """Tells a person at a terminal what long work is doing; silent elsewhere."""
+
+    def __init__(self, what: str) -> None:
+        self.started = time.monotonic()
+        self.shown = False
+        self.what = what
+
+    def __call__(self, what: str) -> None:
+        """Note a new phase; it is shown once the work has taken a second."""
+        self.what = what
+        if sys.stderr.isatty() and time.monotonic() - self.started > 1.0:
+            self.shown = True
+            click.echo(f"\r\033[K{what} …", nl=False, err=True)
+
+    def close(self) -> None:
+        """Leave the line clean."""
+        if self.shown:
+            click.echo("\r\033[K", nl=False, err=True)
+
+
+@contextmanager
+def working(what: str) -> Iterator[Say]:
+    """Show progress while the block runs."""
+    say = Say(what)
+    try:
+        yield say
+    finally:
+        say.close()

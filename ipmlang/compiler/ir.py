@@ -1,0 +1,192 @@
+"""The typed intermediate representation: symbols, productions and straight-line code.
+
+Lowering ends every rule family here; executors know nothing else. Registers are numbered per
+production and written once. A production's body is a list of instructions that compute numbers and
+list child modules; what a module without productions does to the turtle or draws is its symbol's
+`meaning`, a body of state and drawing instructions over the module's own parameters. The batched
+frontier inlines meanings; threaded strings keep the modules and interpret at the end.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal, TypeAlias
+
+Opcode: TypeAlias = Literal[
+    # values: write register `out`
+    "const",  # const: float
+    "param",  # const: i, the shape's i-th parameter (after left context's, before right context's)
+    "attr",  # const: i into Program.attrs, the value bound for this run
+    "index",  # const: repeat number; the copy's index
+    "row",  # args (index,); const (table number, column number)
+    "call",  # const: name of a pure function record; args
+    "uniform",  # site; the 24-bit number in [0, 1) of (seed, key, site)
+    # children and structure of a body
+    "module",  # const: symbol number; args: its parameters; site
+    "open",  # [
+    "close",  # ]
+    "repeat",  # args (count, *holes); const: repeat number; site; body
+    # state, in meanings only
+    "move",  # args (x, y, z) along the local axes, in frame units
+    "rotate",  # args (degrees,); const "x", "y" or "z": about the local axis
+    "orient",  # args (w, x, y, z): multiply by a quaternion
+    "scale",  # args (factor,)
+    "mirror",  # flip the handedness (local x first)
+    "level",  # the book's $
+    "pen",  # args (value,) or (); const (field, text or None): width, color, css, effect, material
+    "layer",  # args (d,): raise the paint order of what follows
+    "cut",  # the book's %
+    # drawing, in meanings only
+    "segment",  # args (length,): draw along local x and move to its end
+    "emit",  # args (sx, sy, sz) or (); const: asset number, or -1 for a terminal's own scope
+    "polygon_open",
+    "polygon_close",
+    "vertex",
+]
+
+VALUE_OPS = frozenset({"const", "param", "attr", "index", "row", "call", "uniform"})
+BODY_OPS = frozenset({"module", "open", "close", "repeat"})
+
+
+@dataclass(frozen=True, slots=True)
+class Instruction:
+    """One instruction. `out` is the register it writes or -1; `args` the registers it reads; `site` a
+    number unique within the production for random draws and children (-1: none); `span` where it was
+    written, relative to its item."""
+
+    op: Opcode
+    out: int = -1
+    args: tuple[int, ...] = ()
+    const: float | int | str | tuple[object, ...] | None = None
+    site: int = -1
+    body: tuple[Instruction, ...] = ()
+    span: tuple[int, int] = field(default=(0, 0), compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Pattern:
+    """One module of a context: symbol number or -1 for any, arity to match, or a branch."""
+
+    symbol: int
+    arity: int = 0
+    branch: tuple[Pattern, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Production:
+    """One alternative of a symbol.
+
+    `guard`: instructions and the register with the truth value, None when there is none.
+    `chance`: None, or kind, instructions and the register with percent or weight.
+    `parameters` counts left-context, own and right-context parameters, in this order.
+    """
+
+    symbol: int
+    body: tuple[Instruction, ...]
+    registers: int
+    parameters: int = 0
+    guard: tuple[tuple[Instruction, ...], int] | None = None
+    otherwise: bool = False
+    chance: tuple[Literal["percent", "weight"], tuple[Instruction, ...], int] | None = None
+    left: tuple[Pattern, ...] = ()
+    right: tuple[Pattern, ...] = ()
+    item: int = -1  # index into Grammar.items, for messages
+    path: str = ""
+    line: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Symbol:
+    """A name with an arity.
+
+    `productions`: numbers of its alternatives in source order (empty: terminal or operation).
+    `interpretation`: numbers of `interpret` alternatives. `meaning`: what a module of it that is
+    left over does, None for nothing. `moves`: expanding or interpreting it can change the state for
+    what follows (computed as a fixed point over productions).
+    """
+
+    name: str
+    arity: int
+    productions: tuple[int, ...] = ()
+    interpretation: tuple[int, ...] = ()
+    meaning: tuple[Instruction, ...] | None = None
+    meaning_registers: int = 0
+    moves: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Attribute:
+    """A settable number, truth value or text, with its default as code over earlier attributes
+    (register `default[1]`), evaluated once per run with the seed's root key."""
+
+    name: str
+    type: Literal["int", "float", "bool", "string"]
+    default: tuple[tuple[Instruction, ...], int]
+    registers: int
+    low: float | None = None
+    high: float | None = None
+    choices: tuple[str | float, ...] = ()
+    doc: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class AssetFile:
+    """A terminal's geometry: name, absolute path, node or id (None: the whole file)."""
+
+    name: str
+    path: Path
+    node: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class TableData:
+    """Rows of numbers. Text cells are numbers of Program.strings."""
+
+    name: str
+    columns: tuple[str, ...]
+    text_columns: frozenset[str]
+    rows: tuple[tuple[float, ...], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """Where a derivation stops with an error: shapes (all ever made), steps (generations), depth (of
+    the derivation tree), memory in bytes beyond the process as it was."""
+
+    shapes: int = 50_000_000
+    steps: int = 100_000
+    depth: int = 200_000
+    memory: int = 8_000_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """A whole grammar, lowered.
+
+    `axiom` is a production of no symbol (-1). `steps`: None rewrites until no module has productions.
+    `threaded`: some module that moves is followed by something that reads the turtle in its bracket,
+    or a production has context: derive as a string. `flat`: nothing leaves z = 0.
+    `strings`: interned text values; a text in a register is its number.
+    """
+
+    symbols: tuple[Symbol, ...]
+    productions: tuple[Production, ...]
+    axiom: Production
+    attrs: tuple[Attribute, ...] = ()
+    tables: tuple[TableData, ...] = ()
+    assets: tuple[AssetFile, ...] = ()
+    strings: tuple[str, ...] = ()
+    steps: tuple[tuple[Instruction, ...], int] | None = None
+    threaded: bool = False
+    flat: bool = True
+    abop: bool = False
+    tropism: tuple[float, float, float, float] | None = None
+    ignore: frozenset[int] = frozenset()
+    limits: Limits = Limits()
+    canvas: tuple[float, float, float, float] | None = None
+    canvas_size: tuple[str | None, str | None] = (None, None)
+    up: Literal["y-up", "z-up"] = "z-up"
+    pen_width: float | None = None
+    choices: str | None = None
+    path: str = ""

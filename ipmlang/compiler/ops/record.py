@@ -1,0 +1,94 @@
+"""What one operation, function or setting of the language is: a record, and nothing else.
+
+The checker, the lowering, the formatter, the reference and the tests read records; adding an
+operation is adding a record to one of the tables of this package.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+ValueType: TypeAlias = Literal[
+    "number", "int", "bool", "string", "color", "vector", "asset", "symbol", "context", "any"
+]
+Family: TypeAlias = Literal["turtle", "pen", "scope", "split", "solid", "docking", "marching"]
+Effect: TypeAlias = Literal["motion", "pen", "draw", "scope", "structure"]
+
+
+@dataclass(frozen=True, slots=True)
+class Param:
+    """One parameter: name, type, whether it may be left out, only by name, or repeated at the end."""
+
+    name: str
+    type: ValueType = "number"
+    optional: bool = False
+    named: bool = False
+    many: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One IR instruction of an operation's meaning. Each arg is a parameter's name (optionally
+    negated: `-angle`), or a number; a parameter that was left out takes `defaults` of the record."""
+
+    op: str
+    args: tuple[str | float, ...] = ()
+    const: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Operation:
+    """An operation of a successor.
+
+    `forms`: parameter lists it accepts, tried in order (most have one). `defaults`: what an omitted
+    parameter takes: a number, or a turtle setting's name (`angle`, `step`, `width`).
+    `meaning`: IR steps per form, same order as `forms`; empty when no executor runs it yet.
+    `labels`: None when it takes no braces, else the labels its parts may bear ("*": any number, "#":
+    any name, "": parts without label). `axes`: words that may follow the name (split x).
+    `effect`: motion and pen leak out of a rule, scope ends with the body.
+    `leaves_plane`: it can leave z = 0 (makes a program 3-D).
+    `examples` must parse and check as a successor; `refused` must give at least one error.
+    """
+
+    name: str
+    family: Family
+    effect: Effect
+    doc: str
+    forms: tuple[tuple[Param, ...], ...] = ((),)
+    synonyms: tuple[str, ...] = ()
+    defaults: tuple[tuple[str, str | float], ...] = ()
+    meaning: tuple[tuple[Step, ...], ...] = ()
+    labels: tuple[str, ...] | None = None
+    axes: tuple[str, ...] = ()
+    leaves_plane: bool = False
+    examples: tuple[str, ...] = ()
+    refused: tuple[str, ...] = ()
+
+
+Batch: TypeAlias = "NDArray[np.float64]"
+
+
+@dataclass(frozen=True, slots=True)
+class Function:
+    """A pure function of expressions, arithmetic and comparison included (`+` has name `add`).
+
+    `batch` maps f64 arrays (or scalars) to an array, `single` Python floats to a float, with the same
+    bits. `result` is its type. `exact`: the same on every back end, so it may feed a guard.
+    `random`: it draws, and takes the uniform of its call site as a hidden first argument.
+    """
+
+    name: str
+    doc: str
+    params: tuple[Param, ...]
+    result: ValueType
+    batch: Callable[..., Batch]
+    single: Callable[..., float]
+    exact: bool = True
+    random: bool = False
+    examples: tuple[str, ...] = ()
+    refused: tuple[str, ...] = ()

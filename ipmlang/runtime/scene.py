@@ -1,0 +1,103 @@
+"""The result of a derivation: an instance table, not a mesh.
+
+One row a terminal in derivation order. Frames are kept as position, unit quaternion and signed
+scale (64 bytes); matrices are made when somebody asks. Export lives in `formats`, which takes
+a scene and never derives.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+SEGMENT = -1  # `asset` of a drawn turtle segment: from the frame's origin along its x by size[0]
+OUTLINE = -2  # `asset` of a turtle polygon: `shape` indexes Scene.polygons
+SCOPE = -3  # `asset` of a terminal without geometry of its own: its box is drawn
+
+
+@dataclass(frozen=True, slots=True)
+class AssetRef:
+    """A named piece of geometry in a file: `picket`, /work/fence.parts.svg, id `picket` (None: the
+    whole file)."""
+
+    name: str
+    path: Path
+    node: str | None
+
+
+@dataclass(slots=True, eq=False)
+class Instances:
+    """Columns of equal length n, in derivation order; about 124 bytes a row.
+
+    position (n, 3) f64; rotation (n, 4) f64 unit quaternion w, x, y, z; scale (n,) f64, its sign is
+    the handedness (negative: local x is mirrored first, then scaled by |scale|, then rotated);
+    size (n, 3) f64, in units of the frame (a segment's length is size[:, 0] * |scale|);
+    asset (n,) int32 index into Scene.assets, or SEGMENT, OUTLINE, SCOPE;
+    shape (n,) int32 index into Scene.polygons for OUTLINE rows, else -1;
+    style (n,) int32 index into Scene.styles; width (n,) f32 in file units, NaN where the pen sets
+    none; color (n,) u32 0xRRGGBBAA, 0 where the pen sets none; layer (n,) f64 paint order, stable
+    ties by row; label (n,) int32 index into Scene.labels (the terminal's symbol); rule (n,) int32
+    index into Scene.rules (the production that made it); key (n,) u64.
+    """
+
+    position: NDArray[np.float64]
+    rotation: NDArray[np.float64]
+    scale: NDArray[np.float64]
+    size: NDArray[np.float64]
+    asset: NDArray[np.int32]
+    shape: NDArray[np.int32]
+    style: NDArray[np.int32]
+    width: NDArray[np.float32]
+    color: NDArray[np.uint32]
+    layer: NDArray[np.float64]
+    label: NDArray[np.int32]
+    rule: NDArray[np.int32]
+    key: NDArray[np.uint64]
+
+    def __len__(self) -> int:
+        return len(self.scale)
+
+
+@dataclass(frozen=True, slots=True)
+class PenStyle:
+    """What a pen sets beside width, colour and layer. `css`: SVG declarations that override the
+    asset's own; `effect`: a `<g>` of the parts file that wraps the run; `material`: a name (3-D)."""
+
+    css: str = ""
+    effect: AssetRef | None = None
+    material: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """Where a production stands: the grammar file, the rule's name, line."""
+
+    path: str
+    rule: str
+    line: int
+
+
+@dataclass(slots=True, eq=False)
+class Scene:
+    """Everything an exporter needs. `flat`: nothing leaves z = 0. `canvas`: x, y, width, height, y up."""
+
+    instances: Instances
+    assets: tuple[AssetRef, ...]
+    styles: tuple[PenStyle, ...]
+    labels: tuple[str, ...]
+    rules: tuple[Origin, ...]
+    flat: bool
+    polygons: tuple[NDArray[np.float64], ...] = ()
+    canvas: tuple[float, float, float, float] | None = None
+    canvas_size: tuple[str | None, str | None] = (None, None)
+    up: Literal["y-up", "z-up"] = "z-up"
+    generations: int = 0
+    shapes: int = 0
+    seed: int = 0
+    backend: str = "cpu"
+    seconds: float = 0.0
+    notes: tuple[str, ...] = field(default=())

@@ -1,0 +1,51 @@
+"""The house rules that a machine can check: lint, format, types, import direction, file size."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+SCRIPTS = Path(sys.executable).parent
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["ruff", "check", "."],
+        ["ruff", "format", "--check", "."],
+        ["mypy"],
+        ["lint-imports", "--no-cache"],
+    ],
+    ids=lambda command: " ".join(command[:2]),
+)
+def test_tool_is_content(command: list[str]) -> None:
+    """Each tool passes on the whole tree, with the settings of pyproject.toml."""
+    done = subprocess.run(
+        [SCRIPTS / command[0], *command[1:]], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_a_file_has_one_subject() -> None:
+    """No file of the package runs over 450 lines (the house style says 400, rarely more)."""
+    lengths = {
+        str(path.relative_to(ROOT)): path.read_text(encoding="utf-8").count("\n")
+        for path in (ROOT / "ipmlang").rglob("*.py")
+    }
+    long = {name: lines for name, lines in lengths.items() if lines > 450}
+    assert not long
+
+
+def test_importing_the_package_stays_light() -> None:
+    """`import ipmlang` and the command line load none of the heavy libraries."""
+    heavy = "trimesh scipy shapely svgpathtools networkx moderngl PIL rich lxml manifold3d".split()
+    code = (
+        "import sys, ipmlang, ipmlang.__main__, ipmlang.cli, ipmlang.compiler\n"
+        f"print([name for name in {heavy!r} if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
