@@ -3,7 +3,8 @@
 Parsing makes these, inference builds them directly, `format.py` alone prints them. Spans and
 comments take no part in equality, so `parse(format(g)) == g` is the round-trip test. A span is
 relative to the start of the top-level item it stands in: an item that did not change keeps its tree
-when text above it is edited.
+when text above it is edited. An item starts where the one before it ends, so that the empty lines
+and comments above its code are its own; `blank_before` says whether it has an empty line above.
 """
 
 from __future__ import annotations
@@ -25,11 +26,13 @@ NOWHERE = Span(0, 0)
 
 @dataclass(frozen=True, slots=True)
 class Comment:
-    """One `//` comment: its text after the slashes, its place, and whether code stands before it."""
+    """One `//` comment: its text after the slashes, its place, whether code stands before it on its
+    line, and whether an empty line stands above it."""
 
     text: str
     span: Span = field(default=NOWHERE, compare=False)
     trailing: bool = False
+    blank_before: bool = False
 
 
 # ---------------------------------------------------------------- expressions
@@ -79,7 +82,7 @@ class Call:
 
 @dataclass(frozen=True, slots=True)
 class Unary:
-    """`-x`, `not x`."""
+    """`-x`, `not x`; a minus before a literal belongs to the literal: `-5` is Number(-5)."""
 
     op: Literal["-", "not"]
     value: Expr
@@ -144,6 +147,7 @@ class Module:
 
     name: str
     args: tuple[Argument, ...] = ()
+    comments: tuple[Comment, ...] = field(default=(), compare=False)
     span: Span = field(default=NOWHERE, compare=False)
 
 
@@ -152,6 +156,7 @@ class Bracket:
     """`[ … ]`: saves and restores the whole state."""
 
     body: tuple[Element, ...]
+    comments: tuple[Comment, ...] = field(default=(), compare=False)
     span: Span = field(default=NOWHERE, compare=False)
 
 
@@ -264,10 +269,12 @@ class Each:
 
 @dataclass(frozen=True, slots=True)
 class Assign:
-    """`set name = value`: holds for the descendants of this body."""
+    """`set name = value`: holds for the descendants of this body. The value is the longest
+    expression that follows; `set (name = value)` ends it before a turtle mark."""
 
     name: str
     value: Expr
+    comments: tuple[Comment, ...] = field(default=(), compare=False)
     span: Span = field(default=NOWHERE, compare=False)
 
 
@@ -349,6 +356,7 @@ class Rule:
     interpret: bool = False
     doc: str | None = None
     comments: tuple[Comment, ...] = field(default=(), compare=False)
+    blank_before: bool = field(default=False, compare=False)
     span: Span = field(default=NOWHERE, compare=False)
 
 
@@ -358,6 +366,7 @@ class Version:
 
     number: int
     comments: tuple[Comment, ...] = field(default=(), compare=False)
+    blank_before: bool = field(default=False, compare=False)
     span: Span = field(default=NOWHERE, compare=False)
 
 
@@ -368,6 +377,7 @@ class Import:
     path: str
     alias: str | None = None
     comments: tuple[Comment, ...] = field(default=(), compare=False)
+    blank_before: bool = field(default=False, compare=False)
     span: Span = field(default=NOWHERE, compare=False)
 
 
@@ -379,18 +389,24 @@ class Asset:
     reference: str
     by_name: bool = False
     comments: tuple[Comment, ...] = field(default=(), compare=False)
+    blank_before: bool = field(default=False, compare=False)
     span: Span = field(default=NOWHERE, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """`table T = "x.parts.svg#T"`, or inline: `table T(x, y) = (1, 2), (3, 4)`."""
+    """`table T = "x.parts.svg#T"`, or inline: `table T(x, y) = (1, 2), (3, 4)`.
+
+    `row_comments` are pairs of a row's index and a comment above it or behind it.
+    """
 
     name: str
     reference: str | None = None
     columns: tuple[str, ...] = ()
     rows: tuple[tuple[Expr, ...], ...] = ()
+    row_comments: tuple[tuple[int, Comment], ...] = field(default=(), compare=False)
     comments: tuple[Comment, ...] = field(default=(), compare=False)
+    blank_before: bool = field(default=False, compare=False)
     span: Span = field(default=NOWHERE, compare=False)
 
 
@@ -402,6 +418,7 @@ class Surface:
     reference: str
     atlas: int | None = None
     comments: tuple[Comment, ...] = field(default=(), compare=False)
+    blank_before: bool = field(default=False, compare=False)
     span: Span = field(default=NOWHERE, compare=False)
 
 
@@ -414,6 +431,7 @@ class Field:
     reference: str
     kind: Literal["texture", "scalar", "vector"] = "texture"
     comments: tuple[Comment, ...] = field(default=(), compare=False)
+    blank_before: bool = field(default=False, compare=False)
     span: Span = field(default=NOWHERE, compare=False)
 
 
@@ -444,6 +462,7 @@ class Attr:
     allowed: Range | Choices | None = None
     doc: str | None = None
     comments: tuple[Comment, ...] = field(default=(), compare=False)
+    blank_before: bool = field(default=False, compare=False)
     span: Span = field(default=NOWHERE, compare=False)
 
 
@@ -452,6 +471,7 @@ class Const:
     name: str
     value: Expr
     comments: tuple[Comment, ...] = field(default=(), compare=False)
+    blank_before: bool = field(default=False, compare=False)
     span: Span = field(default=NOWHERE, compare=False)
 
 
@@ -463,6 +483,7 @@ class Function:
     parameters: tuple[Parameter, ...]
     value: Expr
     comments: tuple[Comment, ...] = field(default=(), compare=False)
+    blank_before: bool = field(default=False, compare=False)
     span: Span = field(default=NOWHERE, compare=False)
 
 
@@ -481,6 +502,7 @@ class Turtle:
 
     settings: tuple[Setting, ...]
     comments: tuple[Comment, ...] = field(default=(), compare=False)
+    blank_before: bool = field(default=False, compare=False)
     span: Span = field(default=NOWHERE, compare=False)
 
 
@@ -490,6 +512,7 @@ class Limit:
 
     settings: tuple[Setting, ...]
     comments: tuple[Comment, ...] = field(default=(), compare=False)
+    blank_before: bool = field(default=False, compare=False)
     span: Span = field(default=NOWHERE, compare=False)
 
 
@@ -500,6 +523,7 @@ class Tropism:
     vector: Expr
     elasticity: Expr
     comments: tuple[Comment, ...] = field(default=(), compare=False)
+    blank_before: bool = field(default=False, compare=False)
     span: Span = field(default=NOWHERE, compare=False)
 
 
@@ -509,6 +533,7 @@ class Ignore:
 
     names: tuple[str, ...]
     comments: tuple[Comment, ...] = field(default=(), compare=False)
+    blank_before: bool = field(default=False, compare=False)
     span: Span = field(default=NOWHERE, compare=False)
 
 
@@ -521,6 +546,7 @@ class Canvas:
     width: str | None = None
     height: str | None = None
     comments: tuple[Comment, ...] = field(default=(), compare=False)
+    blank_before: bool = field(default=False, compare=False)
     span: Span = field(default=NOWHERE, compare=False)
 
 
@@ -530,6 +556,7 @@ class Axes:
 
     up: Literal["y-up", "z-up"]
     comments: tuple[Comment, ...] = field(default=(), compare=False)
+    blank_before: bool = field(default=False, compare=False)
     span: Span = field(default=NOWHERE, compare=False)
 
 
@@ -541,6 +568,7 @@ class Site:
     reference: str
     radius: Expr | None = None
     comments: tuple[Comment, ...] = field(default=(), compare=False)
+    blank_before: bool = field(default=False, compare=False)
     span: Span = field(default=NOWHERE, compare=False)
 
 
@@ -568,6 +596,7 @@ class Start:
     retries: Expr | None = None
     choices: str | None = None
     comments: tuple[Comment, ...] = field(default=(), compare=False)
+    blank_before: bool = field(default=False, compare=False)
     span: Span = field(default=NOWHERE, compare=False)
 
 

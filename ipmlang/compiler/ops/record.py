@@ -22,19 +22,25 @@ Effect: TypeAlias = Literal["motion", "pen", "draw", "scope", "structure"]
 
 @dataclass(frozen=True, slots=True)
 class Param:
-    """One parameter: name, type, whether it may be left out, only by name, or repeated at the end."""
+    """One parameter: name, type, whether it may be left out, only by name, or repeated at the end.
+
+    `above`: a literal must be greater than this. `words`: the texts or bare words it may be.
+    """
 
     name: str
     type: ValueType = "number"
     optional: bool = False
     named: bool = False
     many: bool = False
+    above: float | None = None
+    words: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Step:
     """One IR instruction of an operation's meaning. Each arg is a parameter's name (optionally
-    negated: `-angle`), or a number; a parameter that was left out takes `defaults` of the record."""
+    negated: `-angle`), or a number; a parameter that was left out takes `defaults` of the record.
+    The op `body` stands for the parts in braces (`polygon { … }`)."""
 
     op: str
     args: tuple[str | float, ...] = ()
@@ -92,3 +98,33 @@ class Function:
     random: bool = False
     examples: tuple[str, ...] = ()
     refused: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Query:
+    """A function or a dotted name (`params` is None) that asks about where a shape stands:
+    `inside(Wall)`, `split.index`. It has no body of its own: executors answer it. `family` says
+    which operations it goes with; `ready`: some executor answers it."""
+
+    name: str
+    doc: str
+    result: ValueType
+    family: Family
+    params: tuple[Param, ...] | None = None
+    ready: bool = False
+    examples: tuple[str, ...] = ()
+    refused: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class SettingRecord:
+    """One word of a `turtle` or `limit` item. `default` is what holds without it, None: nothing;
+    `words` are the bare words it may be; `above` as in Param."""
+
+    item: Literal["turtle", "limit"]
+    name: str
+    type: ValueType
+    doc: str
+    default: float | str | None = None
+    words: tuple[str, ...] = ()
+    above: float | None = None

@@ -10,6 +10,7 @@ from ipmlang.compiler.ops.record import Operation, Param, Step
 
 _ANGLE = ((Param("angle", optional=True),),)
 _BY_ANGLE = (("angle", "angle"),)
+_PLACE = tuple(Param(name) for name in ("x", "y", "z", "qw", "qx", "qy", "qz"))
 
 
 def _turn(name: str, synonym: str, axis: str, angle: str, doc: str) -> Operation:
@@ -86,7 +87,7 @@ MOVES = (
         "turtle",
         "motion",
         "Multiply the frame's scale by `factor`, and so every later length and asset.",
-        forms=((Param("factor"),),),
+        forms=((Param("factor", above=0),),),
         synonyms=("grow",),
         meaning=((Step("scale", ("factor",)),),),
         examples=("*(0.8) F", "grow(1.5)"),
@@ -113,9 +114,9 @@ PLACING = (
         forms=(
             (Param("x"), Param("y")),
             (Param("x"), Param("y"), Param("angle")),
-            (Param("x"), Param("y"), Param("angle"), Param("scale")),
-            tuple(Param(name) for name in ("x", "y", "z", "qw", "qx", "qy", "qz")),
-            tuple(Param(name) for name in ("x", "y", "z", "qw", "qx", "qy", "qz", "scale")),
+            (Param("x"), Param("y"), Param("angle"), Param("scale", above=0)),
+            _PLACE,
+            (*_PLACE, Param("scale", above=0)),
         ),
         meaning=(
             (Step("move", ("x", "y", 0.0)),),

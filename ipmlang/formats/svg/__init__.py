@@ -1,0 +1,1 @@
+"""Drawings as SVG: `read` takes a file apart, `write` prints one."""

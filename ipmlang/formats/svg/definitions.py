@@ -1,0 +1,143 @@
+"""The `<defs>` of a written SVG: paint servers and what group effects refer to, each once.
+
+Takes paint servers, fragments and effects as self-contained XML; gives ids, references and XML
+whose inner ids clash with nothing else in the file. Never looks at outlines.
+"""
+
+from __future__ import annotations
+
+import re
+from html import escape
+
+from ipmlang.formats import FormatError
+from ipmlang.formats.drawing import Effect, Fragment, PaintServer
+from ipmlang.formats.numbers import joined
+
+Matrix = tuple[float, float, float, float, float, float]
+
+IDENTITY: Matrix = (1.0, 0.0, 0.0, 1.0, 0.0, 0.0)
+_SVG = "http://www.w3.org/2000/svg"
+_XLINK = "http://www.w3.org/1999/xlink"
+_TAG = re.compile(r"<([A-Za-z][\w.:-]*)")
+_REFERENCE = re.compile(r"url\(\s*(['\"]?)#([^)'\"]+)\1\s*\)")
+
+
+class Definitions:
+    """Collects the definitions of one file; the order of first use is the order of writing."""
+
+    def __init__(self) -> None:
+        self._written: list[str] = []
+        self._ids: set[str] = set()
+        self._paints: dict[tuple[str, Matrix], str] = {}
+        self._effects: dict[Effect, str] = {}
+
+    def text(self) -> str:
+        """The `<defs>` element, empty if nothing needs one."""
+        return "<defs>\n" + "\n".join(self._written) + "\n</defs>\n" if self._written else ""
+
+    def paint(self, server: PaintServer, matrix: Matrix) -> str:
+        """The `url(#…)` of a gradient or pattern whose space `matrix` maps to the user's."""
+        key = (server.xml, matrix)
+        if key not in self._paints:
+            name = self._new_id("paint")
+            attribute = "patternTransform" if server.kind == "pattern" else "gradientTransform"
+            transform = "" if matrix == IDENTITY else f' {attribute}="{matrix_text(matrix)}"'
+            xml = self._adopted(server.xml)
+            self._written.append(_TAG.sub(rf'<\1 id="{name}"{transform}', xml, count=1))
+            self._paints[key] = name
+        return f"url(#{self._paints[key]})"
+
+    def group(self, effect: Effect) -> str:
+        """The attributes of the group that makes an effect, its definitions taken in."""
+        if effect not in self._effects:
+            names: dict[str, str] = {}
+            if effect.definitions.strip():
+                self._written.append(self._adopted(effect.definitions, names))
+            self._effects[effect] = "".join(
+                f' {name}="{escape(_renamed(value, names))}"' for name, value in effect.attributes
+            )
+        return self._effects[effect]
+
+    def fragment(self, fragment: Fragment) -> str:
+        """A carried element in its place."""
+        xml = self._adopted(fragment.xml)
+        if fragment.matrix == IDENTITY:
+            return xml
+        return f'<g transform="{matrix_text(fragment.matrix)}">{xml}</g>'
+
+    def _new_id(self, stem: str) -> str:
+        number = len(self._ids) + 1
+        while f"{stem}{number}" in self._ids:
+            number += 1
+        self._ids.add(f"{stem}{number}")
+        return f"{stem}{number}"
+
+    def _adopted(self, xml: str, names: dict[str, str] | None = None) -> str:
+        """The XML with its ids made unique in this file; `names` takes what was renamed."""
+        if not re.search(r"\bid\s*=", xml):
+            return _without_namespace(xml)
+        from lxml import etree
+
+        parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
+        wrapped = f'<svg xmlns="{_SVG}" xmlns:xlink="{_XLINK}">{xml}</svg>'
+        try:
+            root = etree.fromstring(wrapped.encode("utf-8"), parser)
+        except etree.XMLSyntaxError as error:
+            raise FormatError(f"a carried piece of XML is not well formed: {error}") from error
+        names = {} if names is None else names
+        for element in root.iter("*"):
+            name = element.get("id")
+            if name is not None:
+                names[name] = name if name not in self._ids else self._new_id(f"{name}-")
+                self._ids.add(names[name])
+                element.set("id", names[name])
+        for element in root.iter("*"):
+            for attribute, value in element.items():
+                if "#" in str(value):
+                    element.set(attribute, _renamed(str(value), names))
+        inner = (etree.tostring(child, encoding="unicode") for child in root)
+        return "".join(_without_namespace(text) for text in inner)
+
+
+def matrix_text(matrix: Matrix) -> str:
+    """`matrix(a b c d e f)` with 15 significant digits."""
+    return f"matrix({joined(matrix)})"
+
+
+def product(first: Matrix, second: Matrix) -> Matrix:
+    """The matrix that applies `second`, then `first`."""
+    a, b, c, d, e, f = first
+    g, h, i, j, k, m = second
+    return (
+        a * g + c * h,
+        b * g + d * h,
+        a * i + c * j,
+        b * i + d * j,
+        a * k + c * m + e,
+        b * k + d * m + f,
+    )
+
+
+def inverse(matrix: Matrix) -> Matrix | None:
+    """The inverse, or None of a matrix that flattens the plane."""
+    a, b, c, d, e, f = matrix
+    determinant = a * d - b * c
+    if abs(determinant) <= 1e-300:
+        return None
+    a, b, c, d = d / determinant, -b / determinant, -c / determinant, a / determinant
+    return (a, b, c, d, -(a * e + c * f), -(b * e + d * f))
+
+
+def _renamed(value: str, names: dict[str, str]) -> str:
+    if value.startswith("#"):
+        return "#" + names.get(value[1:], value[1:])
+    return _REFERENCE.sub(lambda match: f"url(#{names.get(match[2], match[2])})", value)
+
+
+def _without_namespace(xml: str) -> str:
+    """Drop what the root declares anyway, but only from the first tag: within foreign content the
+    same declaration means something else.
+    """
+    end = xml.find(">") + 1
+    head = xml[:end].replace(f' xmlns="{_SVG}"', "").replace(f' xmlns:xlink="{_XLINK}"', "")
+    return head + xml[end:]

@@ -1,0 +1,265 @@
+"""Drawings as SVG text: one tag an element, in paint order, with its style.
+
+Takes a `Drawing`; gives the whole file as text, the same bytes for the same drawing. Coordinates
+are absolute and rounded to 1e-10 of the diagonal, so that errors do not add up. Never touches the
+disk: `ipmlang.formats.atomic` does.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from html import escape
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.formats import FormatError
+from ipmlang.formats.drawing import ARC, Drawing, DrawnElement, Outline, Paint, Style
+from ipmlang.formats.numbers import decimal_text, decimals_for, joined
+from ipmlang.formats.svg.definitions import (
+    IDENTITY,
+    Definitions,
+    Matrix,
+    inverse,
+    matrix_text,
+    product,
+)
+from ipmlang.formats.svg.path_data import path_texts
+
+Box = tuple[float, float, float, float]
+
+_MARGIN = 0.02
+_HEAD = (
+    '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"{size}>\n'
+)
+# Properties that SVG knows only in style sheets, not as attributes.
+_CSS_ONLY = frozenset({"mix-blend-mode", "isolation", "transform-box", "white-space"})
+# Effects that do not depend on the space of their group.
+_SPACELESS = frozenset({"opacity", "mix-blend-mode", "isolation", "style"})
+
+
+def write_svg(drawing: Drawing) -> str:
+    """The SVG file of a drawing.
+
+    >>> coords = np.zeros((1, 4, 2))
+    >>> coords[0, 1] = 4, 3
+    >>> line = Outline(np.ones(1, np.uint8), coords, np.array([0, 1]), np.array([False]))
+    >>> text = write_svg(Drawing((DrawnElement(line, Style(stroke="#ff0000")),), (0, 0, 4, 3)))
+    >>> text.splitlines()[1]
+    '<path d="M0 0L4 3" stroke="#ff0000"/>'
+    """
+    box = drawing.box if drawing.box is not None else fitted_box(drawing.elements)
+    diagonal = math.hypot(box[2], box[3])
+    if not all(map(math.isfinite, box)):
+        raise FormatError("the drawing has a box without a value")
+    decimals = decimals_for(diagonal)
+    definitions = Definitions()
+    tags = _tags(drawing.elements, decimals, definitions)
+    body = _grouped(drawing, tags, definitions)
+    return _HEAD.format(size=_size(drawing, box)) + definitions.text() + body + "</svg>\n"
+
+
+def fitted_box(elements: Sequence[DrawnElement]) -> Box:
+    """The box of what is drawn (curves by their control points), pens included, and a margin."""
+    low, high = np.full(2, np.inf), np.full(2, -np.inf)
+    for element in elements:
+        if element.outline is not None and len(element.outline.kind):
+            points = control_points(element.outline)
+            pen = element.style.stroke_width / 2 if element.style.stroke != "none" else 0.0
+            low = np.minimum(low, points.min(axis=0) - pen)
+            high = np.maximum(high, points.max(axis=0) + pen)
+        elif element.fragment is not None:
+            low = np.minimum(low, element.fragment.matrix[4:])
+            high = np.maximum(high, element.fragment.matrix[4:])
+    if not np.isfinite(low).all():
+        return (0.0, 0.0, 1.0, 1.0)
+    margin = _MARGIN * (float((high - low).max()) or 1.0)
+    x, y = (low - margin).tolist()
+    width, height = (high - low + 2 * margin).tolist()
+    return (x, y, width, height)
+
+
+def control_points(outline: Outline) -> NDArray[np.float64]:
+    """(m, 2) points whose box contains an outline: ends, handles, boxes of whole ellipses."""
+    arcs = outline.kind == ARC
+    plain, bent = outline.coords[~arcs], outline.coords[arcs]
+    used = np.arange(4) <= outline.kind[~arcs, None]
+    reach = np.sqrt(bent[:, 1] ** 2 + bent[:, 2] ** 2)
+    return np.concatenate([plain[used], bent[:, 0] - reach, bent[:, 0] + reach])
+
+
+def _size(drawing: Drawing, box: Box) -> str:
+    written = ((name, getattr(drawing, name)) for name in ("width", "height"))
+    sizes = "".join(f' {name}="{escape(value)}"' for name, value in written if value is not None)
+    return f'{sizes} viewBox="{joined(box)}"'
+
+
+def _tags(elements: Sequence[DrawnElement], decimals: int, definitions: Definitions) -> list[str]:
+    """The tag of each element, empty where there is nothing to draw."""
+    tags: list[str] = []
+    # Styles are shared objects as a rule: looking them up by identity is quicker than by value.
+    styles: dict[int, str] = {}
+    for element, path in zip(elements, _path_list(elements, decimals), strict=True):
+        if element.fragment is not None:
+            tags.append(definitions.fragment(element.fragment))
+            continue
+        style = element.style
+        text = styles.get(id(style))
+        if text is None:
+            text = styles[id(style)] = _style_text(style, definitions)
+        tags.append(f"{path}{text}/>" if path else "")
+    return tags
+
+
+def _path_list(elements: Sequence[DrawnElement], decimals: int) -> list[str]:
+    """The opening of each element's tag: `<path d="…"`, or `<ellipse …` for a whole one."""
+    heads = [""] * len(elements)
+    plain: list[int] = []
+    slanted: list[int] = []
+    outlines: list[Outline] = []
+    inner: list[Outline] = []
+    for index, element in enumerate(elements):
+        outline, pen = element.outline, element.style.stroke_matrix
+        if outline is None:
+            continue
+        if pen is not None:
+            slanted.append(index)
+            inner.append(_unslanted(outline, pen))
+            continue
+        if len(outline.kind) == 1 and outline.closed[0]:
+            heads[index] = _ellipse_text(outline, decimals)
+        if not heads[index]:
+            plain.append(index)
+            outlines.append(outline)
+    _place(heads, plain, path_texts(outlines, decimals))
+    _place(heads, slanted, path_texts(inner, decimals + 1))
+    return heads
+
+
+def _place(heads: list[str], indices: list[int], texts: Iterable[str]) -> None:
+    for index, text in zip(indices, texts, strict=True):
+        heads[index] = f'<path d="{text}"' if text else ""
+
+
+def _unslanted(outline: Outline, pen: tuple[float, float, float, float]) -> Outline:
+    """The outline in the space where the pen is round; the tag's transform leads back."""
+    back = inverse((*pen, 0.0, 0.0))
+    if back is None:
+        return outline
+    coords = outline.coords.copy()
+    linear = np.array([[back[0], back[1]], [back[2], back[3]]])
+    coords[:, :3] = coords[:, :3] @ linear
+    others = outline.kind != ARC
+    coords[others, 3] = coords[others, 3] @ linear
+    return Outline(outline.kind, coords, outline.starts, outline.closed)
+
+
+def _ellipse_text(outline: Outline, decimals: int) -> str:
+    """A whole ellipse that starts on an axis as a tag of its own; empty for all other outlines."""
+    start, sweep = outline.coords[0, 3].tolist()
+    if outline.kind[0] != ARC or start != 0 or abs(abs(sweep) - 2 * math.pi) > 1e-12:
+        return ""
+    centre, u, v = outline.coords[0, :3]
+    long, short = math.hypot(*u.tolist()), math.hypot(*v.tolist())
+    if abs(float(u @ v)) > 1e-12 * long * short or min(long, short) == 0:
+        return ""
+    x, y, first, second = (
+        decimal_text(round(value, decimals + 2), 17) for value in (*centre.tolist(), long, short)
+    )
+    radii = f'r="{first}"' if first == second else f'rx="{first}" ry="{second}"'
+    name = "circle" if first == second else "ellipse"
+    forward = float(u[0] * v[1] - u[1] * v[0]) * sweep > 0
+    cosine, sine = float(u[0]) / long, float(u[1]) / long
+    if forward and abs(sine) < 1e-15 and cosine > 0:
+        return f'<{name} cx="{x}" cy="{y}" {radii}'
+    side = 1.0 if forward else -1.0
+    turn = (cosine, sine, -side * sine, side * cosine, float(centre[0]), float(centre[1]))
+    return f'<{name} transform="{matrix_text(turn)}" {radii}'
+
+
+def _style_text(style: Style, definitions: Definitions) -> str:
+    """The attributes that say what differs from SVG's initial values."""
+    back: Matrix = IDENTITY
+    parts: list[str] = []
+    if style.stroke_matrix is not None:
+        space: Matrix = (*style.stroke_matrix, 0.0, 0.0)
+        undone = inverse(space)
+        if undone is not None:
+            back = undone
+            parts.append(f'transform="{matrix_text(space)}"')
+    if style.fill != "#000000":
+        parts.append(f'fill="{_paint_text(style.fill, back, definitions)}"')
+    if style.stroke != "none":
+        parts.append(f'stroke="{_paint_text(style.stroke, back, definitions)}"')
+    if style.stroke_width != 1.0:
+        parts.append(f'stroke-width="{decimal_text(style.stroke_width, 12)}"')
+    if style.dashes:
+        dashes = ",".join(decimal_text(dash, 12) for dash in style.dashes)
+        parts.append(f'stroke-dasharray="{dashes}"')
+    if style.dash_offset:
+        parts.append(f'stroke-dashoffset="{decimal_text(style.dash_offset, 12)}"')
+    declarations: list[str] = []
+    for name, value in style.more:
+        if name in _CSS_ONLY:
+            declarations.append(f"{name}:{value}")
+        else:
+            parts.append(f'{name}="{escape(value)}"')
+    if declarations:
+        parts.append(f'style="{escape(";".join(declarations))}"')
+    return "".join(" " + part for part in parts)
+
+
+def _paint_text(paint: Paint, back: Matrix, definitions: Definitions) -> str:
+    if isinstance(paint, str):
+        return escape(paint)
+    matrix = paint.matrix if back == IDENTITY else product(back, paint.matrix)
+    return definitions.paint(paint, matrix)
+
+
+def _grouped(drawing: Drawing, tags: list[str], definitions: Definitions) -> str:
+    """The tags line by line, runs with the same effects wrapped in one group."""
+    lines: list[str] = []
+    open_groups: tuple[str, ...] = ()
+    closers: list[str] = []
+    for element, tag in zip(drawing.elements, tags, strict=True):
+        if not tag:
+            continue
+        wanted = element.style.effects
+        if wanted != open_groups:
+            shared = _shared(open_groups, wanted)
+            lines += reversed(closers[shared:])
+            del closers[shared:]
+            for name in wanted[shared:]:
+                opener, closer = _group_tags(drawing, name, definitions)
+                lines.append(opener)
+                closers.append(closer)
+            open_groups = wanted
+        lines.append(tag)
+    lines += reversed(closers)
+    return "\n".join(lines) + "\n" if lines else ""
+
+
+def _shared(first: tuple[str, ...], second: tuple[str, ...]) -> int:
+    count = 0
+    for one, other in zip(first, second, strict=False):
+        if one != other:
+            break
+        count += 1
+    return count
+
+
+def _group_tags(drawing: Drawing, name: str, definitions: Definitions) -> tuple[str, str]:
+    """Opening and closing tags of an effect. Where the effect lives in a space of its own, the
+    group takes that space and an inner group leads back to the drawing's.
+    """
+    effect = drawing.effects.get(name)
+    if effect is None:
+        raise FormatError(f"the drawing has no effect called `{name}`")
+    attributes = definitions.group(effect)
+    back = inverse(effect.matrix)
+    spaceless = all(attribute in _SPACELESS for attribute, _ in effect.attributes)
+    if spaceless or effect.matrix == IDENTITY or back is None:
+        return f"<g{attributes}>", "</g>"
+    own = f'<g transform="{matrix_text(effect.matrix)}"{attributes}>'
+    return f'{own}<g transform="{matrix_text(back)}">', "</g></g>"

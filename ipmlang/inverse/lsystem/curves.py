@@ -1,0 +1,241 @@
+"""The curves of many elements stacked into flat complex columns, so that numpy sees them at once.
+
+In come outlines of `formats.drawing`, out go columns, points along the curves, full ellipses and
+moved outlines. A point (x, y) is the number x + iy. An arc keeps its four numbers: centre, u, v and
+start + i sweep, so only the first three move with the curve. Nothing here compares or groups.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.formats.drawing import ARC, CUBIC, LINE, QUADRATIC, Outline
+from ipmlang.inverse.lsystem.frames import Complexes, Floats, Frames, mirrored
+
+Integers = NDArray[np.int64]
+Booleans = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Curves:
+    """n elements with N segments in all.
+
+    kind: (N,) uint8; points: (N, 4) complex; offsets: (n + 1,) first segment of each element;
+    subpaths: (n,) how many subpaths an element has; closed: (n,) whether all of them are closed.
+    """
+
+    kind: NDArray[np.uint8]
+    points: Complexes
+    offsets: Integers
+    subpaths: Integers
+    closed: Booleans
+
+    @property
+    def counts(self) -> Integers:
+        """(n,) segments of each element."""
+        return np.diff(self.offsets)
+
+
+def stack(outlines: Sequence[Outline], flip: float | None = None) -> Curves:
+    """Columns of the outlines; with `flip` every y becomes flip - y."""
+    counts = [len(outline.kind) for outline in outlines]
+    offsets = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+    if offsets[-1]:
+        kind = np.concatenate([outline.kind for outline in outlines])
+        coords = np.concatenate([outline.coords for outline in outlines])
+    else:
+        kind, coords = np.zeros(0, np.uint8), np.zeros((0, 4, 2))
+    points = coords[..., 0] + 1j * coords[..., 1]
+    if flip is not None:
+        points = flipped(kind, points, flip)
+    subpaths = np.array([len(outline.closed) for outline in outlines], np.int64)
+    closed = np.array([bool(outline.closed.all()) for outline in outlines], np.bool_)
+    return Curves(kind, points, offsets, subpaths, closed & (subpaths > 0))
+
+
+def flipped(kind: NDArray[np.uint8], points: Complexes, height: float) -> Complexes:
+    """Points with y replaced by height - y (arc vectors by -y, arc angles kept)."""
+    arc = kind == ARC
+    result = np.conj(points) + 1j * height
+    result[arc, 1:3] = np.conj(points[arc, 1:3])
+    result[arc, 3] = points[arc, 3]
+    # What a kind does not use stays zero, as the format promises.
+    result[kind == LINE, 2:] = 0
+    result[kind == QUADRATIC, 3] = 0
+    return result
+
+
+def evaluate(kind: NDArray[np.uint8], points: Complexes, at: Floats) -> Complexes:
+    """(N, T) points of N segments at parameters 0..1, the same (T,) for all or (N, T) of their own.
+
+    >>> line = np.array([[0, 4, 0, 0]], complex)
+    >>> evaluate(np.array([LINE], np.uint8), line, np.array([0.25])).tolist()
+    [[(1+0j)]]
+    """
+    t = np.broadcast_to(at, (len(kind), np.shape(at)[-1]))
+    result = np.zeros(t.shape, np.complex128)
+    for code, basis in ((LINE, _line), (QUADRATIC, _quadratic), (CUBIC, _cubic), (ARC, _arc)):
+        rows = kind == code
+        if rows.any():
+            result[rows] = basis(points[rows], t[rows])
+    return result
+
+
+def _line(p: Complexes, t: Floats) -> Complexes:
+    # Both ends come out exactly, which `start + t * step` does not promise.
+    return p[:, :1] * (1 - t) + p[:, 1:2] * t
+
+
+def _quadratic(p: Complexes, t: Floats) -> Complexes:
+    s = 1 - t
+    return p[:, :1] * s**2 + p[:, 1:2] * (2 * s * t) + p[:, 2:3] * t**2
+
+
+def _cubic(p: Complexes, t: Floats) -> Complexes:
+    s = 1 - t
+    outer = p[:, :1] * s**3 + p[:, 3:4] * t**3
+    return np.asarray(outer + p[:, 1:2] * (3 * s**2 * t) + p[:, 2:3] * (3 * s * t**2))
+
+
+def _arc(p: Complexes, t: Floats) -> Complexes:
+    angle = p[:, 3:4].real + p[:, 3:4].imag * t
+    return p[:, :1] + p[:, 1:2] * np.cos(angle) + p[:, 2:3] * np.sin(angle)
+
+
+def moved(outline: Outline, frame: Frames) -> Outline:
+    """The outline under one frame (arrays of shape (1,) or ()), handedness included."""
+    position, factor = frame.position.reshape(()), frame.factor.reshape(())
+    hand = frame.handedness.reshape(())
+    points = outline.coords[..., 0] + 1j * outline.coords[..., 1]
+    local = factor * mirrored(points, hand)
+    result = local + position
+    arc = outline.kind == ARC
+    result[arc, 1:3], result[arc, 3] = local[arc, 1:3], points[arc, 3]
+    result[outline.kind == LINE, 2:] = 0
+    result[outline.kind == QUADRATIC, 3] = 0
+    return Outline(outline.kind, _pairs(result), outline.starts, outline.closed)
+
+
+def outline_at(curves: Curves, element: int, like: Outline, origin: complex) -> Outline:
+    """One element as an outline about an origin, with the subpaths of `like`, which it came from."""
+    rows = slice(int(curves.offsets[element]), int(curves.offsets[element + 1]))
+    points = curves.points[rows].copy()
+    for code, used in ((LINE, 2), (QUADRATIC, 3), (CUBIC, 4), (ARC, 1)):
+        points[like.kind == code, :used] -= origin
+    return Outline(like.kind, _pairs(points), like.starts, like.closed)
+
+
+def segment_line(length: float) -> Outline:
+    """The segment from the origin to (length, 0)."""
+    coords = np.zeros((1, 4, 2))
+    coords[0, 1, 0] = length
+    return _single(LINE, coords, False)
+
+
+def full_ellipse(major: float, minor: float) -> Outline:
+    """The ellipse about the origin with its long axis along x."""
+    coords = np.array([[[0.0, 0.0], [major, 0.0], [0.0, minor], [0.0, 2 * np.pi]]])
+    return _single(ARC, coords, True)
+
+
+def _single(kind: int, coords: Floats, closed: bool) -> Outline:
+    starts = np.zeros(1, np.int32)
+    return Outline(np.array([kind], np.uint8), coords, starts, np.array([closed]))
+
+
+def _pairs(points: Complexes) -> Floats:
+    return np.stack([points.real, points.imag], axis=-1)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ellipses:
+    """Full ellipses among n elements. full: (n,) bool; the other columns hold for those rows:
+    centre, major and minor half axes, angle of the major axis in degrees (0 for circles) and gap,
+    how far the drawn curve may be from the ideal one, in units.
+    """
+
+    full: Booleans
+    centre: Complexes
+    major: Floats
+    minor: Floats
+    angle: Floats
+    gap: Floats
+
+
+def find_ellipses(curves: Curves, tolerance: float) -> Ellipses:
+    """Elements of one subpath whose arcs run once around one ellipse, however it is cut.
+
+    An arc is centre + p exp(ia) + m exp(-ia); p m and |p|^2 + |m|^2 do not depend on where angles
+    start. Closing lines shorter than the tolerance are overlooked.
+    """
+    count = len(curves.counts)
+    blank = np.zeros((4, count))
+    result = Ellipses(np.zeros(count, np.bool_), np.zeros(count, np.complex128), *blank)
+    rows = np.flatnonzero((curves.subpaths == 1) & _arcs_only(curves, tolerance))
+    if not len(rows):
+        return result
+    first = curves.offsets[rows]
+    size, travelled, steady = _traced(curves, tolerance)
+    gap = np.abs(2 * np.pi - travelled[rows]) * size.major[first]
+    # A closed curve with a gap is off by the sagitta of its closing chord, an open one by the gap.
+    gap = np.where(curves.closed[rows], gap**2 / (8 * np.maximum(size.major[first], 1e-300)), gap)
+    good = steady[rows] & (gap <= tolerance)
+    rows, first = rows[good], first[good]
+    result.full[rows] = True
+    result.centre[rows] = curves.points[first, 0]
+    result.major[rows], result.minor[rows] = size.major[first], size.minor[first]
+    circle = size.major[first] - size.minor[first] <= tolerance
+    result.angle[rows] = np.where(circle, 0.0, size.tilt[first])
+    result.gap[rows] = gap[good]
+    return result
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Sizes:
+    """(N,) half axes and tilt (degrees) of the ellipse under each segment, zero for other kinds."""
+
+    major: Floats
+    minor: Floats
+    tilt: Floats
+
+
+def _traced(curves: Curves, tolerance: float) -> tuple[_Sizes, Floats, Booleans]:
+    """The ellipses under the segments; for each element the angle travelled (n,) and whether all
+    its arcs follow its first one's ellipse in one direction (n,).
+    """
+    arc = curves.kind == ARC
+    plus = np.where(arc, (curves.points[:, 1] - 1j * curves.points[:, 2]) / 2, 0)
+    minus = np.where(arc, (curves.points[:, 1] + 1j * curves.points[:, 2]) / 2, 0)
+    sweep = np.where(arc, curves.points[:, 3].imag * np.sign(np.abs(plus) - np.abs(minus)), 0.0)
+    major, minor = np.abs(plus) + np.abs(minus), np.abs(np.abs(plus) - np.abs(minus))
+    tilt = np.angle(plus * minus, deg=True) / 2
+    head = np.repeat(curves.offsets[:-1], curves.counts)  # first segment of a segment's element
+    # Axes, as vectors of doubled angle, agree whatever the tilt of a circle is.
+    axes = (major - minor) * np.exp(2j * np.deg2rad(tilt))
+    off = np.abs(curves.points[:, 0] - curves.points[head, 0]) + np.abs(major - major[head])
+    off += np.abs(axes - axes[head])
+    stray = _sums((arc & (off > tolerance)).astype(np.float64), curves.offsets)
+    travelled = _sums(np.abs(sweep), curves.offsets)
+    one_way = np.abs(np.abs(_sums(sweep, curves.offsets)) - travelled) < 1e-9
+    return _Sizes(major, minor, tilt), travelled, (stray == 0) & one_way
+
+
+def _arcs_only(curves: Curves, tolerance: float) -> Booleans:
+    """(n,) whether all segments are arcs, a negligible last line of a closed subpath aside."""
+    arc = curves.kind == ARC
+    short = (curves.kind == LINE) & (np.abs(curves.points[:, 1] - curves.points[:, 0]) <= tolerance)
+    bad = _sums((~arc & ~short).astype(np.float64), curves.offsets)
+    first = np.zeros(len(curves.counts), np.bool_)
+    some = curves.counts > 0
+    first[some] = arc[curves.offsets[:-1][some]]
+    return (bad == 0) & first
+
+
+def _sums(values: Floats, offsets: Integers) -> Floats:
+    """(n,) sums of the values between consecutive offsets, empty stretches included."""
+    running = np.concatenate([[0.0], np.cumsum(values)])
+    return running[offsets[1:]] - running[offsets[:-1]]

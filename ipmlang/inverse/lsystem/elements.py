@@ -1,0 +1,241 @@
+"""Elements of a drawing grouped by shape: the first half of the 2010 paper's section 4.
+
+In come outlines, out go classes with their symmetry groups and, for every element, its class and
+frame. Lines are grouped by length, since all lines are similar; full ellipses by their proportions;
+everything else by `shapes`. Nothing here reads styles or looks for patterns.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from ipmlang.formats.drawing import LINE, Outline
+from ipmlang.inverse.lsystem.curves import (
+    Booleans,
+    Curves,
+    Ellipses,
+    Integers,
+    evaluate,
+    find_ellipses,
+    full_ellipse,
+    outline_at,
+    segment_line,
+)
+from ipmlang.inverse.lsystem.frames import Complexes, Floats, Frames, frames, unit
+from ipmlang.inverse.lsystem.shapes import Group, group_paths
+from ipmlang.inverse.lsystem.symmetry import Symmetry, dihedral, of_line, simplest, trivial
+
+Kind: TypeAlias = Literal["line", "ellipse", "path", "point", "fragment"]
+
+SNAP = 15.0  # degrees, as in `alignment`
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Found:
+    """One class: kind as in `ShapeClass`, members (k,) ascending element numbers, their frames and
+    errors (units), the representative outline, its symmetry and radius, and whether it is directed.
+    """
+
+    kind: Kind
+    members: Integers
+    frames: Frames
+    error: Floats
+    outline: Outline
+    symmetry: Symmetry
+    radius: float
+    directed: bool
+
+
+def group_elements(
+    outlines: Sequence[Outline], curves: Curves, directed: Booleans, tolerance: float
+) -> list[Found]:
+    """Classes of all elements, in the order of their first members.
+
+    curves: the outlines stacked, in the coordinates wanted; directed: (n,) start and direction are
+    visible; tolerance: units, how far a placed representative may be from its element.
+    """
+    extent = _extent(curves)
+    point = extent <= tolerance / 4
+    line = ~point & (curves.counts == 1) & ~curves.closed
+    line[line] = curves.kind[curves.offsets[:-1][line]] == LINE
+    ellipses = find_ellipses(curves, tolerance / 4)
+    ellipse = ellipses.full & ~point & ~directed
+    path = np.flatnonzero(~(point | line | ellipse))
+    found: list[Found] = []
+    for fixed in (False, True):
+        found += _lines(curves, np.flatnonzero(line & (directed == fixed)), fixed, tolerance)
+    found += _ellipses(ellipses, np.flatnonzero(ellipse), tolerance)
+    for group in group_paths(curves, path, _layouts(outlines), directed, tolerance):
+        found.append(_path(group, curves, outlines, bool(directed[group.members[0]])))
+    found += _points(curves, outlines, np.flatnonzero(point), directed)
+    return sorted(found, key=lambda each: int(each.members[0]))
+
+
+def _extent(curves: Curves) -> Floats:
+    """(n,) largest distance of the curve's points from its first one, 0 for empty ones."""
+    along = evaluate(curves.kind, curves.points, np.array([0.0, 0.5, 1.0]))
+    head = np.repeat(curves.offsets[:-1], curves.counts)
+    away = np.abs(along - along[head, :1]).max(axis=1)
+    result = np.zeros(len(curves.counts))
+    some = np.flatnonzero(curves.counts)
+    if len(some):
+        result[some] = np.maximum.reduceat(away, curves.offsets[some])
+    return result
+
+
+def _layouts(outlines: Sequence[Outline]) -> Integers:
+    """(n,) equal numbers for equal subpath offsets and closings."""
+    known: dict[tuple[bytes, bytes], int] = {}
+    keys = ((each.starts.tobytes(), each.closed.tobytes()) for each in outlines)
+    return np.array([known.setdefault(key, len(known)) for key in keys], np.int64)
+
+
+def _lines(curves: Curves, rows: Integers, directed: bool, tolerance: float) -> list[Found]:
+    first = curves.offsets[rows]
+    start, end = curves.points[first, 0], curves.points[first, 1]
+    length = np.abs(end - start)
+    angle, miss = _snapped_angle(end - start, tolerance / 8)
+    placed = frames(start, angle)
+    return [
+        Found(
+            "line",
+            rows[part],
+            placed[part],
+            miss[part] + np.abs(length[part] - model),
+            segment_line(model),
+            of_line(model, directed),
+            model,
+            directed,
+        )
+        for part, model in _by_value(length, np.full(len(rows), tolerance / 2))
+    ]
+
+
+def _snapped_angle(step: Complexes, tolerance: float) -> tuple[Floats, Floats]:
+    """Directions in degrees, multiples of 15 where the end moves less than the tolerance."""
+    angle = np.angle(step, deg=True)
+    near = SNAP * np.round(angle / SNAP)
+    miss = np.abs(np.abs(step) * unit(near) - step)
+    fits = miss <= tolerance
+    return np.where(fits, near, angle), np.where(fits, miss, 0.0)
+
+
+def _by_value(values: Floats, slack: Floats) -> list[tuple[Integers, float]]:
+    """Parts of ascending positions whose values lie within their slack of one number, which is the
+    shortest decimal that does.
+    """
+    order = np.argsort(values, kind="stable")
+    lows, highs = values[order] - slack[order], values[order] + slack[order]
+    parts, start = [], 0
+    while start < len(order):
+        end = start + _shared(lows, highs, start)
+        part = np.sort(order[start:end])
+        parts.append((part, _round_number(values[part])))
+        start = end
+    return parts
+
+
+def _shared(lows: Floats, highs: Floats, start: int) -> int:
+    """How many intervals from `start` on have a number in common, at least 1."""
+    window = 32
+    while True:
+        low = np.maximum.accumulate(lows[start : start + window])
+        high = np.minimum.accumulate(highs[start : start + window])
+        apart = np.flatnonzero(low > high)
+        if len(apart):
+            return max(1, int(apart[0]))
+        if start + window >= len(lows):
+            return len(lows) - start
+        window *= 4
+
+
+def _round_number(values: Floats) -> float:
+    """A number in the middle of the values, with as few digits as their spread allows."""
+    low, high = float(values.min()), float(values.max())
+    middle, room = (low + high) / 2, max((high - low) / 8, abs(high) * 1e-12)
+    for digits in range(1, 17):
+        rounded = float(f"{middle:.{digits}g}")
+        if abs(rounded - middle) <= room:
+            return rounded
+    return middle
+
+
+def _ellipses(found: Ellipses, rows: Integers, tolerance: float) -> list[Found]:
+    major, minor = found.major[rows], found.minor[rows]
+    circle = major - minor <= tolerance / 4
+    ratio = np.where(circle, 1.0, minor / np.maximum(major, 1e-300))
+    slack = np.where(circle, 0.0, tolerance / (4 * np.maximum(major, 1e-300)))
+    classes = []
+    for part, value in _by_value(ratio, slack):
+        size = _usual(major[part])
+        symmetry = dihedral(0, 0.0) if value == 1.0 else dihedral(2, 0.0)
+        place = frames(found.centre[rows[part]], found.angle[rows[part]], major[part] / size)
+        classes.append(
+            Found(
+                "ellipse",
+                rows[part],
+                simplest(place, symmetry),
+                found.gap[rows[part]] + np.abs(minor[part] - value * major[part]),
+                full_ellipse(size, size * value),
+                symmetry,
+                size,
+                False,
+            )
+        )
+    return classes
+
+
+def _usual(values: Floats) -> float:
+    """The most frequent of the values, the first such in order."""
+    _, which, often = np.unique(
+        np.round(np.log(values), 9), return_inverse=True, return_counts=True
+    )
+    return float(values[np.argmax(often[which.ravel()])])
+
+
+def _path(group: Group, curves: Curves, outlines: Sequence[Outline], directed: bool) -> Found:
+    outline = outline_at(curves, group.model, outlines[group.model], group.centre)
+    return Found(
+        "path",
+        group.members,
+        group.frames,
+        group.error,
+        outline,
+        group.symmetry,
+        group.radius,
+        directed,
+    )
+
+
+def _points(
+    curves: Curves, outlines: Sequence[Outline], rows: Integers, directed: Booleans
+) -> list[Found]:
+    """Elements without extent: those with the same segments are one class."""
+    parts: dict[tuple[bytes, bytes, bytes], list[int]] = {}
+    for row in rows.tolist():
+        outline = outlines[row]
+        key = outline.kind.tobytes(), outline.starts.tobytes(), outline.closed.tobytes()
+        parts.setdefault(key, []).append(row)
+    found = []
+    for members in parts.values():
+        empty = not len(outlines[members[0]].kind)
+        heads = curves.offsets[members]
+        at = np.zeros(len(members), complex) if empty else curves.points[heads, 0]
+        outline = outline_at(curves, members[0], outlines[members[0]], complex(at[0]))
+        found.append(
+            Found(
+                "point",
+                np.array(members, np.int64),
+                frames(at),
+                np.zeros(len(members)),
+                outline,
+                trivial(),
+                0.0,
+                False,
+            )
+        )
+    return found

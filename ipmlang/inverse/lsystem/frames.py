@@ -1,0 +1,143 @@
+"""Placements in the plane as columns: position, angle, scale and handedness.
+
+In come and out go arrays of equal (broadcastable) shape; world = position + scale * R(angle) *
+diag(handedness, 1) * local, the frame of the language seen from above. Angles are degrees, so that
+quarter turns are exact. Nothing here knows shapes, drawings or grammars.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats: TypeAlias = NDArray[np.float64]
+Complexes: TypeAlias = NDArray[np.complex128]
+Index: TypeAlias = int | slice | tuple[object, ...] | NDArray[np.integer] | NDArray[np.bool_] | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Frames:
+    """Columns of one shape: x, y (units of the drawing, y up), angle (degrees, (-180, 180]), scale
+    (> 0) all f64, handedness (+1 or -1, int8).
+    """
+
+    x: Floats
+    y: Floats
+    angle: Floats
+    scale: Floats
+    handedness: NDArray[np.int8]
+
+    def __len__(self) -> int:
+        return len(self.x)
+
+    def __getitem__(self, rows: Index) -> Frames:
+        return Frames(
+            self.x[rows],
+            self.y[rows],
+            self.angle[rows],
+            self.scale[rows],
+            self.handedness[rows],
+        )
+
+    @property
+    def position(self) -> Complexes:
+        """x + iy."""
+        return self.x + 1j * self.y
+
+    @property
+    def factor(self) -> Complexes:
+        """scale * exp(i angle): what a local point is multiplied by after mirroring."""
+        return self.scale * unit(self.angle)
+
+
+def frames(
+    position: Complexes,
+    angle: Floats | float = 0.0,
+    scale: Floats | float = 1.0,
+    handedness: NDArray[np.int8] | int = 1,
+) -> Frames:
+    """Columns from complex positions (any shape) and what goes with them, broadcast.
+
+    >>> len(frames(np.zeros(3, complex), 90.0))
+    3
+    """
+    at = np.asarray(position, np.complex128)
+    full = [np.array(np.broadcast_to(value, at.shape), np.float64) for value in (angle, scale)]
+    hand = np.array(np.broadcast_to(handedness, at.shape), np.int8)
+    return Frames(at.real.copy(), at.imag.copy(), wrap(full[0]), full[1], hand)
+
+
+def identity(count: int) -> Frames:
+    """`count` frames at the origin that change nothing."""
+    return frames(np.zeros(count, np.complex128))
+
+
+def join(parts: list[Frames]) -> Frames:
+    """The rows of all parts, one after the other."""
+    if not parts:
+        return identity(0)
+    return Frames(
+        np.concatenate([part.x for part in parts]),
+        np.concatenate([part.y for part in parts]),
+        np.concatenate([part.angle for part in parts]),
+        np.concatenate([part.scale for part in parts]),
+        np.concatenate([part.handedness for part in parts]),
+    )
+
+
+def compose(outer: Frames, inner: Frames) -> Frames:
+    """outer after inner, broadcast: `compose(f[:, None], g)` is every f with every g.
+
+    >>> both = compose(frames(np.array([1j]), 90.0), frames(np.array([2 + 0j]), 90.0))
+    >>> float(both.y[0]), float(both.angle[0])
+    (3.0, 180.0)
+    """
+    return frames(
+        apply(outer, inner.position),
+        outer.angle + outer.handedness * inner.angle,
+        outer.scale * inner.scale,
+        outer.handedness * inner.handedness,
+    )
+
+
+def inverse(given: Frames) -> Frames:
+    """The frames that undo `given`."""
+    angle = -given.handedness * given.angle
+    back = unit(angle) / given.scale
+    return frames(
+        -back * mirrored(given.position, given.handedness), angle, 1 / given.scale, given.handedness
+    )
+
+
+def apply(given: Frames, points: Complexes) -> Complexes:
+    """World points of local points x + iy, broadcast with the frames."""
+    return given.position + given.factor * mirrored(points, given.handedness)
+
+
+def mirrored(points: Complexes, handedness: NDArray[np.int8]) -> Complexes:
+    """Points with local x flipped where the handedness is -1."""
+    return points.real * handedness + 1j * points.imag
+
+
+def unit(angle: Floats) -> Complexes:
+    """exp(i angle) for degrees, exact at multiples of a quarter turn.
+
+    >>> complex(unit(np.array(-270.0)))
+    1j
+    """
+    quarter = np.round(np.asarray(angle, np.float64) / 90.0)
+    rest = np.deg2rad(angle - 90.0 * quarter)
+    powers = np.array([1, 1j, -1, -1j])[quarter.astype(np.int64) % 4]
+    return powers * (np.cos(rest) + 1j * np.sin(rest))
+
+
+def wrap(angle: Floats) -> Floats:
+    """Degrees brought into (-180, 180], exact where they already are.
+
+    >>> wrap(np.array([-180.0, 270.0, 30.0])).tolist()
+    [180.0, -90.0, 30.0]
+    """
+    return np.asarray(angle - 360.0 * np.ceil((angle - 180.0) / 360.0), np.float64)

@@ -1,0 +1,150 @@
+"""From what an executor drew to a scene: numbers of texts become styles, colours and references.
+
+In go rows of equal length in derivation order, whichever executor made them; out comes the scene
+that exporters read. Nothing here derives, and no geometry is read.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.compiler import ir
+from ipmlang.compiler.diagnostics import fail
+from ipmlang.runtime.scene import AssetRef, Instances, Origin, PenStyle, Scene
+
+TEXT_FIELDS = ("css", "fill", "stroke", "effect", "material")  # pen fields that make a style
+
+
+@dataclass(slots=True, eq=False)
+class Rows:
+    """What was drawn, n rows.
+
+    Frames and `size` as in `Instances`; `asset` a number of Program.assets, SEGMENT, OUTLINE or
+    SCOPE; `shape` a polygon's number or -1; `width` NaN and `color` -1 where the pen sets none, else
+    a number of Program.strings; `texts` the same for each of TEXT_FIELDS that some row sets; `symbol`
+    the terminal's number; `rule` the production that made it, -1 for the axiom; `key` (n,) u64.
+    """
+
+    position: NDArray[np.float64]
+    rotation: NDArray[np.float64]
+    scale: NDArray[np.float64]
+    size: NDArray[np.float64]
+    asset: NDArray[np.int32]
+    shape: NDArray[np.int32]
+    width: NDArray[np.float32]
+    color: NDArray[np.int32]
+    texts: dict[str, NDArray[np.int32]]
+    layer: NDArray[np.float64]
+    symbol: NDArray[np.int32]
+    rule: NDArray[np.int32]
+    key: NDArray[np.uint64]
+
+
+def scene(
+    program: ir.Program,
+    rows: Rows,
+    polygons: tuple[NDArray[np.float64], ...] = (),
+    *,
+    seed: int,
+    generations: int,
+    shapes: int,
+) -> Scene:
+    """The scene of a derivation that made `shapes` shapes in `generations` steps."""
+    styles, style = _styles(program, rows)
+    axiom = len(program.productions)
+    instances = Instances(
+        rows.position,
+        rows.rotation,
+        rows.scale,
+        rows.size,
+        rows.asset,
+        rows.shape,
+        style,
+        rows.width,
+        _colors(program, rows.color),
+        rows.layer,
+        rows.symbol,
+        np.where(rows.rule < 0, np.int32(axiom), rows.rule),
+        rows.key,
+    )
+    return Scene(
+        instances,
+        tuple(AssetRef(each.name, each.path, each.node) for each in program.assets),
+        styles,
+        tuple(symbol.name for symbol in program.symbols),
+        tuple(_origin(program, each) for each in (*program.productions, program.axiom)),
+        program.flat,
+        polygons,
+        program.canvas,
+        program.canvas_size,
+        program.up,
+        generations,
+        shapes,
+        seed,
+    )
+
+
+def _origin(program: ir.Program, production: ir.Production) -> Origin:
+    name = "start" if production.symbol < 0 else program.symbols[production.symbol].name
+    return Origin(production.path or program.path, name, production.line)
+
+
+def _styles(program: ir.Program, rows: Rows) -> tuple[tuple[PenStyle, ...], NDArray[np.int32]]:
+    """The distinct styles, the plain one first, and each row's number among them."""
+    count = len(rows.scale)
+    if not rows.texts:
+        return (PenStyle(),), np.zeros(count, np.int32)
+    fields = [name for name in TEXT_FIELDS if name in rows.texts]
+    plain = np.full((1, len(fields)), -1, np.int32)
+    table = np.concatenate((plain, np.stack([rows.texts[name] for name in fields], axis=1)))
+    distinct, number = np.unique(table, axis=0, return_inverse=True)
+    number = number.reshape(-1)
+    texts = [
+        {name: program.strings[i] for name, i in zip(fields, row, strict=True) if i >= 0}
+        for row in distinct.tolist()
+    ]
+    return tuple(_style(program, each) for each in texts), number[1:].astype(np.int32)
+
+
+def _style(program: ir.Program, texts: dict[str, str]) -> PenStyle:
+    declared = [texts.get("css", "").strip().rstrip(";")]
+    declared += [f"{name}:{texts[name]}" for name in ("fill", "stroke") if name in texts]
+    return PenStyle(
+        ";".join(each for each in declared if each),
+        _reference(program, texts["effect"]) if texts.get("effect") else None,
+        texts.get("material", ""),
+    )
+
+
+def _reference(program: ir.Program, text: str) -> AssetRef:
+    """`fence.parts.svg#g1`, beside the grammar."""
+    name, _, node = text.partition("#")
+    return AssetRef(node or name, Path(program.path).parent / name, node or None)
+
+
+def _colors(program: ir.Program, numbers: NDArray[np.int32]) -> NDArray[np.uint32]:
+    """0xRRGGBBAA of each row, 0 where the pen sets none."""
+    if not (numbers >= 0).any():
+        return np.zeros(len(numbers), np.uint32)
+    distinct, place = np.unique(numbers, return_inverse=True)
+    values = [color(program.strings[i]) if i >= 0 else 0 for i in distinct.tolist()]
+    return np.array(values, np.uint32)[place.reshape(-1)]
+
+
+def color(text: str) -> int:
+    """0xRRGGBBAA of `#rgb`, `#rrggbb` or a CSS colour name.
+
+    >>> hex(color("#2a6f4e")), hex(color("teal"))
+    ('0x2a6f4eff', '0x8080ff')
+    """
+    from tinycss2.color3 import parse_color
+
+    parsed = parse_color(text)
+    if parsed is None or isinstance(parsed, str):
+        raise fail("bad-color", f"`{text}` is no colour", hint="write `#rrggbb` or a CSS name")
+    red, green, blue, alpha = (int(round(part * 255)) for part in parsed)
+    return red << 24 | green << 16 | blue << 8 | alpha

@@ -1,0 +1,235 @@
+"""What a turtle draws on its way: segments, terminals and polygons as rows in the string's order.
+
+In go a stream and its turtle, out come rows for a scene and the corners of its polygons. Inside a
+polygon `F` and `f` make corners and draw nothing else; what drew is asked for its pen once. Nothing
+here moves the turtle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.compiler import ir
+from ipmlang.runtime.assemble import TEXT_FIELDS, Rows
+from ipmlang.runtime.interpret import Act, Stream, chosen
+from ipmlang.runtime.keys import packed
+from ipmlang.runtime.scan import Real, Whole
+from ipmlang.runtime.scene import OUTLINE, SEGMENT
+from ipmlang.runtime.turtle import Turtle
+from ipmlang.runtime.values import Value
+
+Polygons = tuple[NDArray[np.float64], ...]
+
+
+@dataclass(slots=True, eq=False)
+class _Drawn:
+    """An act that draws, the number of what it draws, its sizes and, for polygons, their shapes."""
+
+    act: Act
+    asset: int
+    size: tuple[Value, Value, Value]
+    shape: NDArray[np.int32] | int = -1
+
+
+def drawn(program: ir.Program, stream: Stream, turtle: Turtle) -> tuple[Rows, Polygons]:
+    """All that a stream draws, in its order."""
+    polygons: Polygons = ()
+    acts: list[_Drawn] = []
+    nest = _nesting(stream)
+    for act in stream.of("segment"):
+        free = act if nest is None else chosen(act, np.flatnonzero(nest[act.at] == 0))
+        acts.append(_Drawn(free, SEGMENT, (free.args[0], 0.0, 0.0)))
+    for act in stream.of("emit"):
+        sizes = act.args if len(act.args) == 3 else (0.0, 0.0, 0.0)
+        assert isinstance(act.const, int)
+        acts.append(_Drawn(act, act.const if act.const >= 0 else -3, sizes))
+    if nest is not None:
+        outlines, polygons = _polygons(stream, turtle, nest)
+        acts += outlines
+    return _rows(program, stream, turtle, [each for each in acts if len(each.act.at)]), polygons
+
+
+def _rows(
+    program: ir.Program, stream: Stream, turtle: Turtle, acts: list[_Drawn]
+) -> Rows:
+    if not acts:
+        acts = [_Drawn(_nothing(), SEGMENT, (0.0, 0.0, 0.0))]
+    order = _order(stream.length, [each.act.at for each in acts])
+    count = sum(len(row) for row in order)
+    at = np.empty(count, np.int64)
+    size = np.zeros((count, 3))
+    asset, shape, symbol, rule = (np.full(count, -1, np.int32) for _ in range(4))
+    key = np.zeros(count, np.uint64)
+    for each, rows in zip(acts, order, strict=True):
+        at[rows] = each.act.at
+        asset[rows], shape[rows], symbol[rows] = each.asset, each.shape, each.act.modules.symbol
+        rule[rows] = _of(each.act, each.act.modules.rule)
+        key[rows] = _of(each.act, packed(each.act.modules.k0, each.act.modules.k1))
+        for axis, value in enumerate(each.size):
+            if isinstance(value, np.ndarray) or value:
+                size[rows, axis] = value
+    frames = turtle.frames(at)
+    outline = asset == OUTLINE
+    if outline.any():  # corners are in world coordinates
+        frames.position[outline], frames.scale[outline] = 0, 1
+        frames.rotation[outline] = (1, 0, 0, 0)
+    pen = _Pen(program, stream, turtle, at)
+    return Rows(
+        frames.position,
+        frames.rotation,
+        frames.scale,
+        size,
+        asset,
+        shape,
+        pen.width(),
+        pen.text("color"),
+        pen.texts(),
+        turtle.layers(at),
+        symbol,
+        rule,
+        key,
+    )
+
+
+def _nothing() -> Act:
+    from ipmlang.runtime.rewrite import Modules
+
+    return Act("segment", None, np.zeros(0, np.int64), (0.0,), Modules(0, 0))
+
+
+def _of(act: Act, column: object) -> NDArray[np.generic] | int:
+    """A column of the act's modules, for the rows that act."""
+    if not isinstance(column, np.ndarray):
+        assert isinstance(column, int)
+        return column
+    return column if act.rows is None or not column.ndim else column[act.rows]
+
+
+def _order(length: int, places: list[Whole]) -> list[Whole]:
+    """The row of each place when all are sorted; no place occurs twice."""
+    there = np.zeros(length, np.int8)
+    for each in places:
+        there[each] = 1
+    row = np.cumsum(there, dtype=np.int64) - 1
+    return [row[each] for each in places]
+
+
+class _Pen:
+    """What the pen had set at the places that draw."""
+
+    def __init__(self, program: ir.Program, stream: Stream, turtle: Turtle, at: Whole) -> None:
+        self._program = program
+        self._turtle = turtle
+        self._at = at
+        self._numbers = {text: number for number, text in enumerate(program.strings)}
+        self._acts: dict[str, list[tuple[Act, Value]]] = {}
+        for act in stream.of("pen"):
+            field, value = self._setting(act)
+            self._acts.setdefault(field, []).append((act, value))
+        colored = [(act, -1.0) for act, _ in self._acts.get("color", [])]
+        for field in {"fill", "stroke"} & self._acts.keys():  # a colour is for both
+            self._acts[field] += colored
+
+    def _setting(self, act: Act) -> tuple[str, Value]:
+        assert isinstance(act.const, tuple)
+        field, text = act.const
+        if text is not None:
+            return str(field), float(self._numbers[str(text)])
+        return str(field), act.args[0]
+
+    def width(self) -> NDArray[np.float32]:
+        start = self._program.pen_width
+        first = np.nan if start is None else start
+        return self._turtle.last(self._acts.get("width", []), first, self._at).astype(np.float32)
+
+    def text(self, field: str) -> NDArray[np.int32]:
+        return self._turtle.last(self._acts.get(field, []), -1.0, self._at).astype(np.int32)
+
+    def texts(self) -> dict[str, NDArray[np.int32]]:
+        return {field: self.text(field) for field in TEXT_FIELDS if field in self._acts}
+
+
+def _nesting(stream: Stream) -> NDArray[np.int32] | None:
+    """How many polygons each place of the stream stands in, None where there are none."""
+    opened, closed = stream.of("polygon_open"), stream.of("polygon_close")
+    if not opened:
+        return None
+    step = np.zeros(stream.length + 1, np.int32)
+    for act in opened:
+        step[act.at] = 1
+    for act in closed:
+        step[act.at + 1] -= 1
+    return np.cumsum(step[:-1], dtype=np.int32)
+
+
+def _polygons(
+    stream: Stream, turtle: Turtle, nest: NDArray[np.int32]
+) -> tuple[list[_Drawn], Polygons]:
+    """The polygons that have three corners or more, and the acts that close them."""
+    opens = np.sort(np.concatenate([act.at for act in stream.of("polygon_open")]))
+    at, points = _corners(stream, turtle, nest)
+    number = _innermost(nest, opens, at)
+    order = np.lexsort((np.arange(len(at)), at, number))
+    number, points = number[order], points[order]
+    kept = _distinct(number, points)
+    number, points = number[kept], points[kept]
+    counts = np.bincount(number, minlength=len(opens))
+    closing = []
+    shapes: dict[int, int] = {}
+    visible = [act for act in stream.of("polygon_close") if act.const != "silent"]
+    owners = [_innermost(nest, opens, act.at) for act in visible]
+    full = np.flatnonzero(np.isin(np.arange(len(opens)), np.concatenate(owners)) & (counts >= 3))
+    shape = np.full(len(opens), -1, np.int32)
+    shape[full] = np.arange(len(full))
+    for act, owner in zip(visible, owners, strict=True):
+        rows = np.flatnonzero(shape[owner] >= 0)
+        closing.append(_Drawn(chosen(act, rows), OUTLINE, (0.0, 0.0, 0.0), shape[owner[rows]]))
+    ends = np.cumsum(counts)
+    return closing, tuple(points[ends[i] - counts[i] : ends[i]] for i in full.tolist())
+
+
+def _corners(
+    stream: Stream, turtle: Turtle, nest: NDArray[np.int32]
+) -> tuple[Whole, Real]:
+    """Both ends of every edge inside a polygon, and the places marked as corners."""
+    at: list[Whole] = [np.zeros(0, np.int64)]
+    points: list[Real] = [np.zeros((0, 3))]
+    for act in stream.of("segment", "move", "vertex"):
+        inside = act.at[nest[act.at] > 0]
+        for after in (False, True) if act.op != "vertex" else (False,):
+            at.append(inside)
+            points.append(turtle.places(inside, after=after))
+    # the two ends of an edge stand at one place: the stable sort of `_polygons` keeps this order
+    return np.concatenate(at), np.concatenate(points)
+
+
+def _innermost(nest: NDArray[np.int32], opens: Whole, at: Whole) -> Whole:
+    """The number of the polygon that each place stands in, by where it opens."""
+    depths = nest[opens]
+    found = np.zeros(len(at), np.int64)
+    for depth in np.unique(depths).tolist():
+        numbers = np.flatnonzero(depths == depth)
+        rows = np.flatnonzero(nest[at] == depth)
+        found[rows] = numbers[np.searchsorted(opens[numbers], at[rows], side="right") - 1]
+    return found
+
+
+def _distinct(number: Whole, points: Real) -> NDArray[np.bool_]:
+    """Which corners differ from the one before, and at the end from the first, in their polygon."""
+    if not len(number):
+        return np.zeros(0, np.bool_)
+    extent = float(np.ptp(points, axis=0).max())
+    near = 1e-12 * max(extent, 1e-300)
+    first = np.ones(len(number), np.bool_)
+    first[1:] = number[1:] != number[:-1]
+    kept = first.copy()
+    kept[1:] |= np.abs(points[1:] - points[:-1]).max(axis=1) > near
+    begin = np.flatnonzero(first)
+    index = np.where(kept, np.arange(len(number)), -1)
+    last = np.maximum.reduceat(index, begin)
+    closes = np.abs(points[last] - points[begin]).max(axis=1) <= near * 1000
+    kept[last[closes & (last != begin)]] = False
+    return kept

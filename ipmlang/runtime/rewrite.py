@@ -1,0 +1,285 @@
+"""One parallel step of rewriting: the successors of all shapes of a symbol, batched by production.
+
+In go batches of shapes, out come blocks: for each production taken, its rows and the modules of its
+body as columns (constants stay constants, brackets have none). A block knows how many modules each
+row became and can say where each of them stands once its row has a place, so no string is copied
+while it grows. Keys are path keys; nothing depends on the order of rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.compiler import ir
+from ipmlang.compiler.diagnostics import fail
+from ipmlang.runtime import keys
+from ipmlang.runtime.choose import Choice, Match, Taken, fresh, module, told
+from ipmlang.runtime.keys import Words
+from ipmlang.runtime.scan import Whole
+from ipmlang.runtime.values import Batch, Bound, Flags, Value, joined
+
+OPEN = -1  # `symbol` of an opening bracket
+CLOSE = -2
+NO_WORDS: Words = np.zeros(0, np.uint32)
+
+
+@dataclass(slots=True, eq=False)
+class Modules:
+    """`count` modules of one symbol, columns in any order.
+
+    `params`: a number, or one a module; k0, k1 (count,) words of the keys, empty where nothing asks
+    for them; `rule` the production that made them, a number or (count,); `silent` those that draw
+    nothing. `leaves`: how many modules of the final string each becomes. `place`: their positions.
+    """
+
+    symbol: int
+    count: int
+    params: tuple[Value, ...] = ()
+    k0: Words = NO_WORDS
+    k1: Words = NO_WORDS
+    rule: int | NDArray[np.int32] = -1
+    silent: Flags | None = None
+    leaves: Whole | int = 1
+    place: Whole = field(default_factory=lambda: np.zeros(0, np.int64))
+
+
+@dataclass(slots=True, eq=False)
+class Copies:
+    """A repeat in a body: row r of `items` belongs to row owner[r] of the body around it."""
+
+    owner: Whole
+    counts: Whole
+    items: list[Item]
+
+
+Item: TypeAlias = Modules | Copies
+
+
+@dataclass(slots=True, eq=False)
+class Block:
+    """The successors of those shapes of a batch (`rows`) that took one production."""
+
+    rows: Whole
+    items: list[Item]
+
+
+class Budget:
+    """What a derivation has made so far, against its limits; asked before anything is allocated."""
+
+    def __init__(self, limits: ir.Limits) -> None:
+        self.limits = limits
+        self.shapes = 0
+        self.bytes = 0
+
+    def take(self, program: ir.Program, production: ir.Production, shapes: int, size: int) -> None:
+        """Note `shapes` more modules of `size` bytes in all, or stop with the rule that grew."""
+        self.shapes += shapes
+        self.bytes += size
+        name = told(program, production)
+        if self.shapes > self.limits.shapes:
+            raise fail(
+                "limit-shapes",
+                f"the derivation stopped at its limit of {self.limits.shapes:,} shapes: {name} "
+                f"would bring it to {self.shapes:,}",
+                hint="a guard or `steps` ends the growth; `limit shapes` raises the limit",
+            )
+        if self.bytes > self.limits.memory:
+            raise fail(
+                "limit-memory",
+                f"the derivation stopped at its limit of {self.limits.memory:,} bytes: {name} "
+                f"would bring it to {self.bytes:,}",
+                hint="a guard or `steps` ends the growth; `limit memory` raises the limit",
+            )
+
+
+class Rewriter:
+    """A bound program, ready to rewrite batches of its symbols."""
+
+    def __init__(self, bound: Bound, budget: Budget) -> None:
+        self.bound = bound
+        self.program = bound.program
+        self.budget = budget
+        self.keyed = [_needs_keys(symbol) for symbol in self.program.symbols]
+        self.stays = self.program.steps is not None
+
+    def axiom(self, seed: int) -> Block:
+        """The axiom's modules, from the seed's root key."""
+        k0, k1 = (np.array([word], np.uint32) for word in keys.root(seed))
+        batch = Batch(self.bound, 1, (), k0, k1)
+        return Block(np.zeros(1, np.int64), self._body(-1, self.program.axiom, batch))
+
+    def step(
+        self, batch: Batch, symbol: int, numbers: Sequence[int], match: Match | None, keep: bool
+    ) -> list[Block]:
+        """Blocks that cover every shape of the batch. Where no production is taken the module
+        stays if `keep`, with a key of its own so that its next draws are new; else that is an error.
+        """
+        taken, rest = self._choose(batch, numbers, match)
+        blocks = [
+            Block(each.rows, self._body(each.production, self._production(each), each.batch))
+            for each in taken
+        ]
+        if not len(rest):
+            return blocks
+        if not keep:
+            raise fail(
+                "no-production",
+                f"no production of {module(batch, symbol, int(rest[0]))} applies"
+                + (f", nor of {len(rest) - 1:,} more" if len(rest) > 1 else ""),
+                hint=f"write `{self.program.symbols[symbol].name} : else --> nil` to end silently",
+            )
+        return [*blocks, Block(rest, [self._stayed(batch.take(rest), symbol)])]
+
+    def _choose(
+        self, batch: Batch, numbers: Sequence[int], match: Match | None
+    ) -> tuple[list[Taken], Whole]:
+        first = self.program.productions[numbers[0]]
+        free = first.chance is None and first.guard is None
+        if free and not first.left and not first.right:
+            every = np.arange(batch.count)
+            return [Taken(numbers[0], every, fresh(batch))], every[:0]
+        return Choice(batch, numbers, match).walk()
+
+    def _production(self, taken: Taken) -> ir.Production:
+        return self.program.productions[taken.production]
+
+    def _stayed(self, batch: Batch, symbol: int) -> Modules:
+        k0, k1 = keys.child(batch.k0, batch.k1, keys.CHOICE_SITE)
+        return Modules(symbol, batch.count, batch.params, k0, k1, -1, batch.silent)
+
+    def _body(self, number: int, production: ir.Production, batch: Batch) -> list[Item]:
+        size = sum(self._bytes(each) for each in production.body)
+        shapes = sum(each.op in ("module", "open", "close") for each in production.body)
+        self.budget.take(self.program, production, shapes * batch.count, size * batch.count)
+        return self._items(number, production, production.body, batch)
+
+    def _items(
+        self, number: int, production: ir.Production, body: Sequence[ir.Instruction], batch: Batch
+    ) -> list[Item]:
+        items: list[Item] = []
+        for each in body:
+            if each.op == "module":
+                items.append(self._module(number, production, each, batch))
+            elif each.op == "open" or each.op == "close":
+                items.append(Modules(OPEN if each.op == "open" else CLOSE, batch.count))
+            elif each.op == "repeat":
+                items.append(self._copies(number, production, each, batch))
+            else:
+                batch.evaluate((each,))
+        return items
+
+    def _module(
+        self, number: int, production: ir.Production, each: ir.Instruction, batch: Batch
+    ) -> Modules:
+        assert isinstance(each.const, int)
+        params = tuple(batch.get(register) for register in each.args)
+        for value in params:
+            if not np.isfinite(value).all():
+                raise fail(
+                    "not-a-number",
+                    f"{told(self.program, production)}: an argument of "
+                    f"{self.program.symbols[each.const].name} is not a finite number",
+                )
+        k0 = k1 = NO_WORDS
+        if self.keyed[each.const]:
+            k0, k1 = keys.child(batch.k0, batch.k1, each.site, *batch.numbers())
+        return Modules(each.const, batch.count, params, k0, k1, number, batch.silent)
+
+    def _copies(
+        self, number: int, production: ir.Production, each: ir.Instruction, batch: Batch
+    ) -> Copies:
+        assert isinstance(each.const, int)
+        counts = copies_of(np.asarray(batch.column(each.args[0])))
+        total = int(min(counts.sum(), 2**62))
+        size = sum(self._bytes(inner) for inner in each.body)
+        shapes = sum(inner.op in ("module", "open", "close") for inner in each.body)
+        self.budget.take(self.program, production, shapes * total, (size + 24) * total)
+        whole = counts.astype(np.int64)
+        inner = batch.repeated(each.const, whole, each.args[1:])
+        assert inner.owner is not None
+        return Copies(inner.owner, whole, self._items(number, production, each.body, inner))
+
+    def _bytes(self, each: ir.Instruction) -> int:
+        """What one row of an instruction may cost until the string is laid out."""
+        if each.op != "module" or not isinstance(each.const, int):
+            return 8
+        return 16 + 8 * len(each.args) + 24 * self.keyed[each.const]
+
+
+def copies_of(limits: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How many i = 0, 1, 2, … lie below each limit, where equal means equal up to 1e-9 of it."""
+    return np.maximum(np.ceil(limits - 1e-9 * np.maximum(1, np.abs(limits))), 0)
+
+
+def _needs_keys(symbol: ir.Symbol) -> bool:
+    drawing = {"segment", "emit", "polygon_close", "uniform"}
+    return bool(
+        symbol.productions
+        or symbol.interpretation
+        or any(each.op in drawing for each in symbol.meaning or ())
+    )
+
+
+def leaves(items: Sequence[Item], count: int) -> Whole:
+    """How many modules of the final string each row of a body becomes, (count,)."""
+    total = np.zeros(count, np.int64)
+    for item in items:
+        total += item.leaves if isinstance(item, Modules) else _copied(item)
+    return total
+
+
+def _copied(item: Copies) -> Whole:
+    sums = np.append(0, np.cumsum(leaves(item.items, len(item.owner))))
+    ends = np.cumsum(item.counts)
+    inside: Whole = sums[ends] - sums[ends - item.counts]
+    return inside
+
+
+def lay(items: Sequence[Item], start: Whole) -> None:
+    """Give the modules of a body their places; `start` (n,) is where each row's first one stands."""
+    for item in items:
+        if isinstance(item, Modules):
+            item.place = start
+            start = start + item.leaves
+        else:
+            inner = leaves(item.items, len(item.owner))
+            before = np.append(0, np.cumsum(inner))
+            ends = np.cumsum(item.counts)
+            lay(item.items, start[item.owner] + before[:-1] - before[ends - item.counts][item.owner])
+            start = start + before[ends] - before[ends - item.counts]
+
+
+def modules(items: Sequence[Item]) -> list[Modules]:
+    """All modules of a body, those in repeats too."""
+    found: list[Modules] = []
+    for item in items:
+        found += [item] if isinstance(item, Modules) else modules(item.items)
+    return found
+
+
+def merged(parts: Sequence[Modules]) -> Modules:
+    """Modules of one symbol from several bodies as one; `leaves` is not carried over."""
+    counts = [part.count for part in parts]
+    total = sum(counts)
+    columns = zip(*(part.params for part in parts), strict=True)
+    rule = joined([np.asarray(part.rule, np.int32) for part in parts], counts)
+    silent: Flags | None = None
+    if any(part.silent is not None for part in parts):
+        silent = np.concatenate(
+            [np.zeros(p.count, np.bool_) if p.silent is None else p.silent for p in parts]
+        )
+    return Modules(
+        parts[0].symbol,
+        total,
+        tuple(joined(column, counts) for column in columns),
+        np.concatenate([part.k0 for part in parts]),
+        np.concatenate([part.k1 for part in parts]),
+        np.asarray(rule).astype(np.int32),
+        silent,
+        place=np.concatenate([part.place for part in parts]),
+    )

@@ -1,0 +1,170 @@
+"""Truncated, huge, cyclic and hostile input: a clear message with the place, exit code 1, nothing
+half-written, memory and time bounded.
+"""
+
+from __future__ import annotations
+
+import resource
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+MEMORY = 3 << 30  # address space of the child, bytes: libraries map far more than they touch
+SECONDS = 60  # wall time on two slow, shared cores; what is expected is a few
+
+
+def bounded(*words: str | Path, folder: Path) -> subprocess.CompletedProcess[str]:
+    """Run ipmlang with its memory and time bounded; a traceback fails the test."""
+    done = subprocess.run(
+        [sys.executable, "-m", "ipmlang", *map(str, words)],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=SECONDS,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY)),
+    )
+    assert "Traceback" not in done.stderr, done.stderr
+    assert done.returncode in (0, 1), done.stderr
+    return done
+
+
+SVG = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '
+
+
+def use_bomb() -> str:
+    levels = "".join(
+        f'<g id="g{k}">' + f'<use xlink:href="#g{k - 1}"/>' * 10 + "</g>" for k in range(1, 12)
+    )
+    body = f'<defs><rect id="g0" width="1" height="1"/>{levels}</defs><use xlink:href="#g11"/>'
+    return f'{SVG} viewBox="0 0 9 9">{body}</svg>'
+
+
+def deep_groups() -> str:
+    return f'{SVG} viewBox="0 0 9 9">' + "<g>" * 200_000 + "</g>" * 200_000 + "</svg>"
+
+
+def pattern_cycle() -> str:
+    return (
+        f'{SVG} viewBox="0 0 9 9"><pattern id="p" width="1" height="1" xlink:href="#q">'
+        '<rect width="1" height="1" fill="url(#p)"/></pattern><pattern id="q" xlink:href="#p"/>'
+        '<marker id="m"><path d="M0 0h3" marker-end="url(#m)"/></marker>'
+        '<path d="M0 0h5" marker-end="url(#m)"/><rect width="5" height="5" fill="url(#p)"/></svg>'
+    )
+
+
+def gradient_cycle() -> str:
+    return (
+        f'{SVG} viewBox="0 0 9 9"><linearGradient id="a" xlink:href="#b"/>'
+        '<linearGradient id="b" xlink:href="#a"/><rect width="5" height="5" fill="url(#a)"/></svg>'
+    )
+
+
+def style_bomb() -> str:
+    rules = "".join(f"{'g ' * 40}.c{k} {{ fill: red }}" for k in range(500))
+    groups = "<g>" * 60 + '<rect class="c1" width="1" height="1"/>' * 200 + "</g>" * 60
+    return f'{SVG} viewBox="0 0 9 9"><style>{rules}</style>{groups}</svg>'
+
+
+DRAWINGS: dict[str, Callable[[], str]] = {
+    "empty": lambda: "",
+    "not xml": lambda: "a house and a tree",
+    "no drawing": lambda: "<html><body/></html>",
+    "nothing drawn": lambda: f"{SVG}/>",
+    "cut off": lambda: f'{SVG} viewBox="0 0 9 9"><g><path d="M0 0 L',
+    "use bomb": use_bomb,
+    "deep groups": deep_groups,
+    "pattern and marker cycles": pattern_cycle,
+    "gradient cycle": gradient_cycle,
+    "style bomb": style_bomb,
+    "not a number": lambda: f'{SVG} viewBox="0 0 nan 9"><rect width="inf" height="1e400"/></svg>',
+    "huge coordinates": lambda: f'{SVG} viewBox="0 0 9 9"><path d="M1e300 0 L 2e300 1e-300 Z"/></svg>',
+    "empty box": lambda: f'{SVG} viewBox="0 0 0 0"><rect width="1" height="1"/></svg>',
+    "singular": lambda: f'{SVG}><g transform="scale(0)"><rect width="1" height="1"/></g></svg>',
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", DRAWINGS)
+def test_a_bad_drawing_ends_cleanly(name: str, tmp_path: Path) -> None:
+    (tmp_path / "bad.svg").write_text(DRAWINGS[name](), encoding="utf-8")
+    done = bounded("infer", "bad.svg", "-o", "bad.ipm", folder=tmp_path)
+    left = sorted(path.name for path in tmp_path.iterdir() if path.name != "bad.svg")
+    if done.returncode:
+        assert "bad.svg" in done.stderr
+        assert left == []
+    else:
+        assert bounded("run", "bad.ipm", "-o", "again.svg", folder=tmp_path).returncode == 0
+
+
+def test_the_collected_hostile_drawings_end_cleanly(data: Path, tmp_path: Path) -> None:
+    for path in sorted((data / "hostile").glob("*.svg")):
+        out = tmp_path / f"{path.stem}.ipm"
+        started = time.monotonic()
+        done = bounded("infer", path, "-o", out, folder=tmp_path)
+        assert time.monotonic() - started < SECONDS
+        assert out.exists() == (done.returncode == 0), path.name
+        if done.returncode:
+            assert path.name in done.stderr
+    assert not list(tmp_path.glob("*.tmp*"))
+
+
+GRAMMARS = {
+    "grows wide": "A --> F(1) [+(9) A] [-(9) A]\nstart A",
+    "grows long": "A --> F(1) A\nstart A",
+    "grows as a string": "F --> F + F - F F\nstart F steps 1000000",
+    "huge count": "A --> repeat(i < 1e15) { F(1) }\nstart A",
+    "deep repeats": "A --> repeat(i < 1e5) { repeat(j < 1e5) { F(1) } }\nstart A",
+    "not a number": "A(x) --> F(sqrt(x)) A(x - 1)\nstart A(3)",
+    "divided by zero": "A(x) --> F(1 / x)\nstart A(0)",
+    "too far": "A(x) : x < 1e308 --> *(1e200) F(1) A(x + 1)\nstart A(0)",
+    "no production": "A(x) : x > 0 --> F(x)\nstart A(-1)",
+    "missing asset": 'asset a = "nowhere.svg#a"\nstart a',
+    "missing node": 'asset a = "parts.svg#b"\nstart a',
+    "outside": 'asset a = "../../../../etc/passwd"\nstart a',
+    "absolute": 'asset a = "/etc/passwd.svg"\nstart a',
+    "import of itself": 'import "bad"\nstart F',
+    "import from outside": 'import "../elsewhere"\nstart F',
+    "missing import": 'import "nowhere"\nstart F',
+    "deep brackets": "start " + "[" * 100_000 + "F" + "]" * 100_000,
+    "deep expression": "start F(" + "(" * 100_000 + "1" + ")" * 100_000 + ")",
+    "long name": "start " + "A" * 1_000_000,
+    "control characters": "start \x00\x01 F",
+    "number too large": "start F(1e999)",
+    "solids": "Lot --> extrude(9) comp { side: Facade | top: Roof }\nstart Lot on box(8, 11, 0)",
+}
+
+
+@pytest.mark.parametrize("name", GRAMMARS)
+def test_a_bad_grammar_says_why(name: str, tmp_path: Path) -> None:
+    (tmp_path / "parts.svg").write_text(
+        f'{SVG}><rect id="a" width="1" height="1"/></svg>', encoding="utf-8"
+    )
+    (tmp_path / "bad.ipm").write_text(f"ipm 1\n{GRAMMARS[name]}\n", encoding="utf-8")
+    done = bounded("run", "bad.ipm", "-o", "out.svg", "--limit", "memory=500000000",
+                   "--limit", "shapes=2000000", folder=tmp_path)  # fmt: skip
+    assert done.returncode == 1, name
+    assert "error[" in done.stderr
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["bad.ipm", "parts.svg"]
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [(b"\xff\xfe\x00start F", "UTF-8"), (b"", "start"), (b"ipm 99\nstart F\n", "99")],
+)
+def test_a_file_that_is_no_grammar(content: bytes, says: str, tmp_path: Path) -> None:
+    (tmp_path / "bad.ipm").write_bytes(content)
+    done = bounded("check", "bad.ipm", folder=tmp_path)
+    assert done.returncode == 1
+    assert says in done.stderr
+
+
+def test_what_is_not_executable_yet_is_named(tmp_path: Path) -> None:
+    (tmp_path / "lot.ipm").write_text(f"ipm 1\n{GRAMMARS['solids']}\n", encoding="utf-8")
+    assert bounded("check", "lot.ipm", folder=tmp_path).returncode == 0
+    done = bounded("run", "lot.ipm", "-o", "lot.obj", folder=tmp_path)
+    assert done.returncode == 1
+    assert "extrude" in done.stderr and "comp" in done.stderr
