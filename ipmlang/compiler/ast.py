@@ -10,11 +10,10 @@ and comments above its code are its own; `blank_before` says whether it has an e
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias
 
 
-@dataclass(frozen=True, slots=True)
-class Span:
+class Span(NamedTuple):
     """Half-open character range, relative to the start of the enclosing top-level item."""
 
     start: int
@@ -147,8 +146,8 @@ class Module:
 
     name: str
     args: tuple[Argument, ...] = ()
-    comments: tuple[Comment, ...] = field(default=(), compare=False)
     span: Span = field(default=NOWHERE, compare=False)
+    comments: tuple[Comment, ...] = field(default=(), compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,8 +155,8 @@ class Bracket:
     """`[ … ]`: saves and restores the whole state."""
 
     body: tuple[Element, ...]
-    comments: tuple[Comment, ...] = field(default=(), compare=False)
     span: Span = field(default=NOWHERE, compare=False)
+    comments: tuple[Comment, ...] = field(default=(), compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -274,8 +273,8 @@ class Assign:
 
     name: str
     value: Expr
-    comments: tuple[Comment, ...] = field(default=(), compare=False)
     span: Span = field(default=NOWHERE, compare=False)
+    comments: tuple[Comment, ...] = field(default=(), compare=False)
 
 
 Element: TypeAlias = "Module | Bracket | Repeat | Split | Block | Each | Assign"
@@ -601,8 +600,24 @@ class Start:
 
 
 Item: TypeAlias = (
-    "Version | Import | Asset | Table | Surface | Field | Attr | Const | Function | Turtle | "
-    "Limit | Tropism | Ignore | Canvas | Axes | Site | Start | Rule"
+    Version
+    | Import
+    | Asset
+    | Table
+    | Surface
+    | Field
+    | Attr
+    | Const
+    | Function
+    | Turtle
+    | Limit
+    | Tropism
+    | Ignore
+    | Canvas
+    | Axes
+    | Site
+    | Start
+    | Rule
 )
 
 

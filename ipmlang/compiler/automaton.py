@@ -68,7 +68,7 @@ class TooDeep(Exception):
     end: int
 
 
-MAX_STACK = 1200
+MAX_STACK = 300
 
 
 def load(builders: Mapping[str, Builder]) -> Automaton:

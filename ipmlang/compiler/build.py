@@ -27,6 +27,9 @@ class Unbuildable(Exception):
     hint: str | None = None
 
 
+INFINITE = (float("inf"), float("-inf"))
+
+
 def build_list_empty(members: Members, start: int, end: int) -> list[Any]:
     return []
 
@@ -63,11 +66,12 @@ def build_option_text(members: Members, start: int, end: int) -> tuple[str, obje
     return members[0], unquote(members[1], end - len(members[1])), start, end
 
 
-def build_option_list(members: Members, start: int, end: int) -> tuple[str, object, int, int]:
+def build_option_sites(members: Members, start: int, end: int) -> tuple[str, object, int, int]:
     return members[0], tuple(members[2]), start, end
 
 
-build_option_sites = build_option_list
+def build_option_values(members: Members, start: int, end: int) -> tuple[str, object, int, int]:
+    return members[0], tuple(members[1]), start, end
 
 
 # ---------------------------------------------------------------- expressions
@@ -76,9 +80,13 @@ build_option_sites = build_option_list
 def build_number(members: Members, start: int, end: int) -> ast.Number:
     text = members[0]
     value = float(text)
-    if value in (float("inf"), float("-inf")):
-        raise Unbuildable("bad-number", f"`{text}` is larger than a number can be", start, end)
+    if value in INFINITE:
+        raise _too_large(text, start, end)
     return ast.Number(value, text, Span(start, end))
+
+
+def _too_large(text: str, start: int, end: int) -> Unbuildable:
+    return Unbuildable("bad-number", f"`{text}` is larger than a number can be", start, end)
 
 
 def build_negative(members: Members, start: int, end: int) -> ast.Number:
@@ -130,6 +138,34 @@ def build_tuple_many(members: Members, start: int, end: int) -> ast.Tuple:
     return ast.Tuple((members[1], *members[3]), Span(start, end))
 
 
+_LITERAL = re.compile(r"-?[0-9][0-9.eE+-]*")
+
+
+def build_literals_list(members: Members, start: int, end: int) -> list[ast.Number]:
+    """The numbers of a token `(1, -2.5)`."""
+    found = []
+    for match in _LITERAL.finditer(members[0]):
+        text = match[0]
+        begin = start + match.start()
+        finish = begin + len(text)
+        value = float(text)
+        if value in INFINITE:
+            raise _too_large(text, begin, finish)
+        found.append(ast.Number(value, text, Span(begin, finish)))
+    return found
+
+
+def build_literals_arguments(members: Members, start: int, end: int) -> list[ast.Argument]:
+    numbers = build_literals_list(members, start, end)
+    return [ast.Argument(number, None, number.span) for number in numbers]
+
+
+def build_literals(members: Members, start: int, end: int) -> ast.Number | ast.Tuple:
+    """One number in brackets is that number, several are a tuple."""
+    numbers = build_literals_list(members, start, end)
+    return numbers[0] if len(numbers) == 1 else ast.Tuple(tuple(numbers), Span(start, end))
+
+
 def build_argument(members: Members, start: int, end: int) -> ast.Argument:
     return ast.Argument(members[0], None, Span(start, end))
 
@@ -151,11 +187,11 @@ def build_body(members: Members, start: int, end: int) -> tuple[ast.Element, ...
 
 def build_module(members: Members, start: int, end: int) -> ast.Module:
     args = tuple(members[1]) if len(members) > 1 else ()
-    return ast.Module(members[0], args, (), Span(start, end))
+    return ast.Module(members[0], args, Span(start, end))
 
 
 def build_bracket(members: Members, start: int, end: int) -> ast.Bracket:
-    return ast.Bracket(members[1], (), Span(start, end))
+    return ast.Bracket(members[1], Span(start, end))
 
 
 def build_count(members: Members, start: int, end: int) -> ast.Count:
@@ -300,7 +336,11 @@ def build_production(members: Members, start: int, end: int) -> ast.Rule:
 
 
 def build_production_else(members: Members, start: int, end: int) -> ast.Rule:
-    return ast.Rule(members[0], members[4], ast.Otherwise(), span=Span(start, end))
+    return ast.Rule(members[0], members[4], members[2], span=Span(start, end))
+
+
+def build_otherwise(members: Members, start: int, end: int) -> ast.Otherwise:
+    return ast.Otherwise(Span(start, end))
 
 
 def build_production_guard(members: Members, start: int, end: int) -> ast.Rule:

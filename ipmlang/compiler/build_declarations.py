@@ -10,7 +10,7 @@ from __future__ import annotations
 from ipmlang.compiler import ast
 from ipmlang.compiler.ast import Span
 from ipmlang.compiler.automaton import Members
-from ipmlang.compiler.build import Unbuildable, once, unquote
+from ipmlang.compiler.build import Unbuildable, build_literals_list, once, unquote
 from ipmlang.compiler.diagnostics import nearest
 
 FIELD_KINDS = ("texture", "scalar", "vector")
@@ -56,6 +56,12 @@ def build_row(members: Members, start: int, end: int) -> tuple[tuple[ast.Expr, .
     return tuple(members[1]), start, end
 
 
+def build_row_literals(
+    members: Members, start: int, end: int
+) -> tuple[tuple[ast.Expr, ...], int, int]:
+    return tuple(build_literals_list(members, start, end)), start, end
+
+
 def build_table_inline(members: Members, start: int, end: int) -> ast.Table:
     columns, rows = tuple(members[3]), members[6]
     for values, row_start, row_end in rows:
@@ -69,6 +75,10 @@ def build_table_inline(members: Members, start: int, end: int) -> ast.Table:
     return ast.Table(
         members[1], None, columns, tuple(values for values, _, _ in rows), span=Span(start, end)
     )
+
+
+def build_table_empty(members: Members, start: int, end: int) -> ast.Table:
+    return ast.Table(members[1], None, tuple(members[3]), span=Span(start, end))
 
 
 def build_surface_plain(members: Members, start: int, end: int) -> ast.Surface:
@@ -171,15 +181,15 @@ def build_ignore(members: Members, start: int, end: int) -> ast.Ignore:
 
 
 def build_canvas(members: Members, start: int, end: int) -> ast.Canvas:
-    for word, _, begin, finish in members[4]:
+    for word, _, begin, finish in members[2]:
         _known(word, ("width", "height"), "measure of a canvas", begin, finish)
-    sizes = once(members[4])
-    if len(members[2]) != 4:
+    sizes = once(members[2])
+    if len(members[1]) != 4:
         raise Unbuildable(
             "wrong-count", "a canvas has four numbers: left, bottom, width, height", start, end
         )
     return ast.Canvas(
-        tuple(members[2]),
+        tuple(members[1]),
         unquote(sizes["width"], start) if "width" in sizes else None,
         unquote(sizes["height"], start) if "height" in sizes else None,
         span=Span(start, end),
@@ -204,9 +214,9 @@ def build_site_radius(members: Members, start: int, end: int) -> ast.Site:
 
 
 def build_place_box(members: Members, start: int, end: int) -> ast.Place:
-    if len(members[2]) not in (2, 3):
+    if len(members[1]) not in (2, 3):
         raise Unbuildable("wrong-count", "a box has two or three sizes: x, y and z", start, end)
-    return ast.Place("box", tuple(members[2]), None, Span(start, end))
+    return ast.Place("box", tuple(members[1]), None, Span(start, end))
 
 
 def build_place_polygon(members: Members, start: int, end: int) -> ast.Place:

@@ -45,6 +45,8 @@ Opcode: TypeAlias = Literal[
     "vertex",
 ]
 
+Const: TypeAlias = "float | int | str | tuple[object, ...] | None"
+
 VALUE_OPS = frozenset({"const", "param", "attr", "index", "row", "call", "uniform"})
 BODY_OPS = frozenset({"module", "open", "close", "repeat"})
 
@@ -58,7 +60,7 @@ class Instruction:
     op: Opcode
     out: int = -1
     args: tuple[int, ...] = ()
-    const: float | int | str | tuple[object, ...] | None = None
+    const: Const = None
     site: int = -1
     body: tuple[Instruction, ...] = ()
     span: tuple[int, int] = field(default=(0, 0), compare=False)

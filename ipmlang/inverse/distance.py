@@ -14,17 +14,12 @@ from numpy.typing import NDArray
 
 from ipmlang.formats.drawing import ARC, CUBIC, LINE, QUADRATIC
 from ipmlang.inverse.lsystem.alignment import Freedom, closest_start
-from ipmlang.inverse.lsystem.curves import (
-    Booleans,
-    Curves,
-    Integers,
-    evaluate,
-    find_ellipses,
-)
+from ipmlang.inverse.lsystem.curves import Booleans, Curves, Integers, evaluate
+from ipmlang.inverse.lsystem.ellipses import find_ellipses
 from ipmlang.inverse.lsystem.frames import Complexes, Floats
 
 QUARTERS = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
-ALONG = 16  # points of a segment whose distance from the other curve is measured
+ALONG = 32  # points of a segment whose distance from the other curve is measured
 REFINED_AT_MOST = 500  # pairs that correspond but differ, for which a lower distance is sought
 
 
@@ -43,7 +38,7 @@ def pair_distances(a: Curves, b: Curves, fixed: Booleans, unit: float) -> Floats
     rows = np.flatnonzero(alike)
     result[rows] = _at_equal_parameters(a, b, rows)
     fine = 1e-9 * unit
-    _improve_ellipses(result, a, b, fixed, fine)
+    _improve_ellipses(result, a, b, fixed, unit)
     rows = np.flatnonzero(alike & (result > fine) & ~fixed & (a.subpaths == 1) & (b.subpaths == 1))
     _improve_restarted(result, a, b, rows)
     _improve_dense(result, a, b, fixed, alike, unit)
@@ -77,12 +72,13 @@ def _at_equal_parameters(a: Curves, b: Curves, rows: Integers) -> Floats:
     return _largest(np.abs(off).max(axis=1), a.counts[rows])
 
 
-def _improve_ellipses(result: Floats, a: Curves, b: Curves, fixed: Booleans, fine: float) -> None:
-    """Full ellipses, however they are cut into arcs."""
-    if not (result > fine).any():
+def _improve_ellipses(result: Floats, a: Curves, b: Curves, fixed: Booleans, unit: float) -> None:
+    """Full ellipses, however they are cut into arcs; what they lack of full ones is added."""
+    unsure = ~fixed & (result > 1e-9 * unit)
+    if not unsure.any():
         return
-    left, right = find_ellipses(a, fine), find_ellipses(b, fine)
-    rows = np.flatnonzero(left.full & right.full & ~fixed & (result > fine))
+    left, right = find_ellipses(a, 1e-7 * unit), find_ellipses(b, 1e-7 * unit)
+    rows = np.flatnonzero(left.full & right.full & unsure)
     tilt = np.deg2rad(left.angle[rows] - right.angle[rows])
     flat = np.minimum(left.major - left.minor, right.major - right.minor)[rows]
     off = np.abs(left.centre - right.centre)[rows]
@@ -117,7 +113,7 @@ def _improve_dense(
     """Curves whose segments do not correspond, and some of those that do but lie apart."""
     drawn = (a.counts > 0) & (b.counts > 0)
     apart = np.flatnonzero(drawn & alike & (result > 5e-7 * unit))[:REFINED_AT_MOST]
-    strange = np.flatnonzero(drawn & ~alike & (result > 1e-9 * unit))
+    strange = np.flatnonzero(drawn & ~alike & (result > 5e-7 * unit))
     for row in np.concatenate([strange, apart]).tolist():
         left, right = _segments(a, row), _segments(b, row)
         off = max(_one_way(left, right), _one_way(right, left))
@@ -146,7 +142,7 @@ def _one_way(left: Segments, right: Segments) -> float:
 
     kind, points = right
     points_left = evaluate(*left, np.linspace(0.0, 1.0, ALONG + 1)).ravel()
-    at = np.linspace(0.0, 1.0, 2 * ALONG + 1)
+    at = np.linspace(0.0, 1.0, ALONG + 1)
     along = evaluate(kind, points, at)
     tree = cKDTree(np.stack([along.real.ravel(), along.imag.ravel()], axis=1))
     near = min(6, along.size)

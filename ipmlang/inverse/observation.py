@@ -31,7 +31,8 @@ class ShapeClass:
         full one, circles too), "path", "point" (everything in one place), "fragment".
     outline: the representative, y up, about its own origin; None for fragments. Its origin is the
         start of a line (which runs along +x), the centre of a full ellipse (long axis along x),
-        else the mean of points evenly spread over the segments, which every symmetry keeps. It is
+        else the mean of points evenly spread over the segments, which every symmetry keeps (rounded
+        to the input's decimals where no symmetry fixes it). It is
         turned and sized like the first member that has the most frequent scale, so most frames are
         plain.
     fragment: the fragment of kind "fragment", as in the drawing (y down, its own matrix).
@@ -101,8 +102,10 @@ def observe(drawing: Drawing, tolerance: float = TOLERANCE) -> Observation:
     diagonal = _diagonal(drawing.box, curves)
     style, styles = _styles(drawing)
     dashed = np.array([bool(each.dashes) for each in styles], np.bool_)[style]
-    found = group_elements(outlines, curves, dashed[drawn], tolerance * diagonal)
-    classes = _fragments(drawing) + [_class(each, np.array(drawn, np.int64)) for each in found]
+    decimals = _precision(curves)
+    found = group_elements(outlines, curves, dashed[drawn], tolerance * diagonal, decimals)
+    rows = np.array(drawn, np.int64)
+    classes = _fragments(drawing) + [_class(each, rows) for each in found]
     classes.sort(key=lambda each: int(each[0].members[0]))
     shape, placed, error = _columns(len(drawing.elements), classes)
     return Observation(
@@ -117,7 +120,7 @@ def observe(drawing: Drawing, tolerance: float = TOLERANCE) -> Observation:
         box=drawing.box,
         flip=flip,
         diagonal=diagonal,
-        precision=_precision(curves),
+        precision=decimals,
         tolerance=tolerance * diagonal,
         drawing=drawing,
     )

@@ -32,8 +32,8 @@ class Branches:
 
     def __init__(self, length: int, opens: Whole, closes: Whole) -> None:
         step = np.zeros(length + 2, np.int32)
-        step[opens + 1] = 1
-        step[closes + 2] = -1
+        step[opens + 1] += 1
+        step[closes + 2] -= 1
         depth = np.cumsum(step[: length + 1])
         deepest = int(depth.max()) if length else 0
         small = np.uint8 if deepest < 256 else np.uint16 if deepest < 65536 else np.int64
@@ -69,7 +69,7 @@ class Branches:
     def ends(self) -> Whole:
         """For each branch, the position of its closing bracket, or the length of the string."""
         last = np.append(self.opens[1:], self.length + 1) - 1
-        ends = self.order[last] - 1
+        ends: Whole = self.order[last] - 1
         ends[0] = self.length
         return ends
 

@@ -19,7 +19,7 @@ from ipmlang.runtime.branches import Branches
 from ipmlang.runtime.choose import Match
 from ipmlang.runtime.rewrite import CLOSE, OPEN, Modules
 from ipmlang.runtime.scan import Whole
-from ipmlang.runtime.values import Flags, Value
+from ipmlang.runtime.values import Flags, Value, spread
 
 ANY = -1
 
@@ -43,6 +43,7 @@ class Neighbours:
 
     def __init__(self, program: ir.Program, length: int, tables: dict[int, Modules]) -> None:
         self._tables = tables
+        self._arity = np.array([symbol.arity for symbol in program.symbols] + [0, 0], np.int64)
         self._symbol = np.full(length, OPEN, np.int64)
         self._row = np.zeros(length, np.int64)
         for symbol, table in tables.items():
@@ -166,18 +167,27 @@ class Neighbours:
         found.alive &= at >= 0
         if pattern.symbol != ANY:
             found.alive &= self._symbol[at] == pattern.symbol
+        elif pattern.arity:
+            found.alive &= self._arity[self._symbol[at]] == pattern.arity
         found.modules.append((pattern, at))
 
     def _captured(self, found: _Found) -> tuple[Value, ...]:
-        values: list[Value] = []
-        for pattern, at in found.modules:
-            table = self._tables.get(pattern.symbol)
-            for number in range(pattern.arity):
-                value = table.params[number] if table is not None else 0.0
-                if isinstance(value, np.ndarray) and value.ndim:
-                    value = value[np.where(found.alive, self._row[at], 0)]
-                values.append(value)
-        return tuple(values)
+        return tuple(
+            self._argument(pattern.symbol, number, np.where(found.alive, at, -1))
+            for pattern, at in found.modules
+            for number in range(pattern.arity)
+        )
+
+    def _argument(self, wanted: int, number: int, at: Whole) -> Value:
+        """Argument `number` of the modules at some places, 0 where the place is -1."""
+        symbols = self._symbol[at]
+        values = np.zeros(len(at))
+        for symbol in np.unique(symbols[at >= 0]).tolist() if wanted == ANY else [wanted]:
+            table = self._tables.get(symbol)
+            if table is not None:
+                rows = np.flatnonzero((at >= 0) & (symbols == symbol))
+                values[rows] = spread(table.params[number], self._row[at[rows]])
+        return values
 
 
 def _flat(patterns: Sequence[ir.Pattern]) -> list[ir.Pattern]:

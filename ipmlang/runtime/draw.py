@@ -159,7 +159,7 @@ def _nesting(stream: Stream) -> NDArray[np.int32] | None:
         return None
     step = np.zeros(stream.length + 1, np.int32)
     for act in opened:
-        step[act.at] = 1
+        step[act.at] += 1
     for act in closed:
         step[act.at + 1] -= 1
     return np.cumsum(step[:-1], dtype=np.int32)

@@ -25,7 +25,11 @@ from ipmlang.runtime.values import Batch, Bound, Flags, Value, joined
 
 OPEN = -1  # `symbol` of an opening bracket
 CLOSE = -2
-NO_WORDS: Words = np.zeros(0, np.uint32)
+
+
+def no_words() -> Words:
+    """The keys of modules that need none."""
+    return np.zeros(0, np.uint32)
 
 
 @dataclass(slots=True, eq=False)
@@ -40,8 +44,8 @@ class Modules:
     symbol: int
     count: int
     params: tuple[Value, ...] = ()
-    k0: Words = NO_WORDS
-    k1: Words = NO_WORDS
+    k0: Words = field(default_factory=no_words)
+    k1: Words = field(default_factory=no_words)
     rule: int | NDArray[np.int32] = -1
     silent: Flags | None = None
     leaves: Whole | int = 1
@@ -185,7 +189,7 @@ class Rewriter:
                     f"{told(self.program, production)}: an argument of "
                     f"{self.program.symbols[each.const].name} is not a finite number",
                 )
-        k0 = k1 = NO_WORDS
+        k0 = k1 = no_words()
         if self.keyed[each.const]:
             k0, k1 = keys.child(batch.k0, batch.k1, each.site, *batch.numbers())
         return Modules(each.const, batch.count, params, k0, k1, number, batch.silent)

@@ -81,14 +81,16 @@ def interpreted(rewriter: Rewriter, string: String) -> String:
 
 
 def _looks_around(program: ir.Program) -> bool:
-    return bool(_cuts(program)) or any(each.left or each.right for each in program.productions)
+    cuts = _meaning(program, "cut")
+    return bool(cuts) or any(each.left or each.right for each in program.productions)
 
 
-def _cuts(program: ir.Program) -> list[int]:
+def _meaning(program: ir.Program, op: str) -> list[int]:
+    """The symbols whose meaning has some instruction."""
     return [
         number
         for number, symbol in enumerate(program.symbols)
-        if any(each.op == "cut" for each in symbol.meaning or ())
+        if any(each.op == op for each in symbol.meaning or ())
     ]
 
 
@@ -218,15 +220,16 @@ def _stepped(
 
 def _cut(program: ir.Program, string: String) -> String:
     """The string without each `cut` and what follows it in its branch."""
-    places = [string.places(symbol) for symbol in _cuts(program) if symbol in string.tables]
-    if not places:
+    first = _placed(program, string, "cut")
+    if not len(first):
         return string
-    first = np.concatenate(places)
     branches = Branches(string.length, string.places(OPEN), string.places(CLOSE))
     end = branches.ends()[branches.branch()[branches.place[first + 1]]]
     change = np.bincount(first, minlength=string.length + 1)
     change = change - np.bincount(end, minlength=string.length + 1)
     left = np.cumsum(change[:-1]) == 0
+    begins, closes = _braces(program, string)
+    left[closes] = left[begins]  # what stays open of a polygon must close
     place = np.cumsum(left) - 1
     tables = {}
     for symbol, table in string.tables.items():
@@ -235,6 +238,23 @@ def _cut(program: ir.Program, string: String) -> String:
             tables[symbol] = _some(table, rows)
             tables[symbol].place = place[tables[symbol].place]
     return String(int(left.sum()), tables, string.steps)
+
+
+def _placed(program: ir.Program, string: String, op: str) -> Whole:
+    """Where the symbols stand whose meaning has some instruction."""
+    return np.concatenate([string.places(OPEN)[:0], *map(string.places, _meaning(program, op))])
+
+
+def _braces(program: ir.Program, string: String) -> tuple[Whole, Whole]:
+    """Where each polygon opens and where it closes, pair by pair."""
+    opens = np.sort(_placed(program, string, "polygon_open"))
+    closes = np.sort(_placed(program, string, "polygon_close"))
+    places = np.concatenate((opens, closes))
+    order = np.argsort(places)
+    opening = order < len(opens)
+    nest = np.cumsum(np.where(opening, 1, -1)) + ~opening
+    pairs = places[order][np.argsort(nest, kind="stable")]
+    return pairs[::2], pairs[1::2]
 
 
 def _some(table: Modules, rows: Whole) -> Modules:

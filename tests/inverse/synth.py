@@ -8,13 +8,15 @@ angle (degrees, counter-clockwise in the drawing's own axes), scale and handedne
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.formats.drawing import ARC, CUBIC, LINE, Drawing, DrawnElement, Floats, Outline, Style
-from ipmlang.inverse.lsystem.curves import moved
+from ipmlang.inverse.lsystem.curves import flipped, moved
 from ipmlang.inverse.lsystem.frames import frames
+from ipmlang.inverse.observation import Observation
 
 BLACK = Style()
 STROKED = Style(fill="none", stroke="#000000", stroke_width=0.5)
@@ -169,3 +171,21 @@ def _placements(at: Floats, angle: Floats | None = None) -> Floats:
 def _outline(kind: NDArray[np.integer], coords: Floats, closed: bool) -> Outline:
     starts = np.zeros(1, np.int32)
     return Outline(kind.astype(np.uint8), coords, starts, np.array([closed]))
+
+
+def rebuilt(observed: Observation) -> Drawing:
+    """The drawing that an observation describes: each representative in each frame."""
+    elements = []
+    for index, element in enumerate(observed.drawing.elements):
+        shape = observed.classes[observed.shape[index]]
+        if shape.outline is None:
+            elements.append(element)
+            continue
+        placed = moved(shape.outline, observed.frames[index])
+        points = flipped(
+            placed.kind, placed.coords[..., 0] + 1j * placed.coords[..., 1], observed.flip
+        )
+        coords = np.stack([points.real, points.imag], axis=-1)
+        outline = Outline(placed.kind, coords, placed.starts, placed.closed)
+        elements.append(replace(element, outline=outline))
+    return replace(observed.drawing, elements=tuple(elements))

@@ -1,1 +1,20 @@
-""""""
+"""From checked files to a program: rule families end here.
+
+In go the main file's unit and those it imports, all checked; out comes `ir.Program`, which executors
+run. What is reachable and not executable yet is reported operation by operation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ipmlang.compiler import ir
+from ipmlang.compiler.lower.names import Unit, unit
+from ipmlang.compiler.lower.program import Lowering
+
+__all__ = ["Unit", "lower_units", "unit"]
+
+
+def lower_units(main: Unit, imported: Sequence[Unit] = ()) -> ir.Program:
+    """The program of a main file and all that it imports."""
+    return Lowering(main, (main, *imported)).program()

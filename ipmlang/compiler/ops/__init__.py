@@ -8,15 +8,28 @@ from __future__ import annotations
 
 from types import MappingProxyType
 
-from ipmlang.compiler.ops import functions, pen, settings, turtle
+from ipmlang.compiler.ops import (
+    docking,
+    functions,
+    marching,
+    pen,
+    queries,
+    scope,
+    settings,
+    solids,
+    turtle,
+)
 from ipmlang.compiler.ops.functions import CONSTANTS, OPERATORS, PREFIXES
 from ipmlang.compiler.ops.record import Function, Operation, Query, SettingRecord, Step
 
-ALL_OPERATIONS: tuple[Operation, ...] = turtle.TABLE + pen.TABLE
+ALL_OPERATIONS: tuple[Operation, ...] = (
+    turtle.TABLE + pen.TABLE + scope.TABLE + solids.TABLE + docking.TABLE + marching.TABLE
+)
 OPERATIONS = MappingProxyType(
     {name: record for record in ALL_OPERATIONS for name in (record.name, *record.synonyms)}
 )
 FUNCTIONS = MappingProxyType({record.name: record for record in functions.TABLE})
+QUERIES = MappingProxyType({record.name: record for record in queries.TABLE})
 SETTINGS = MappingProxyType({(record.item, record.name): record for record in settings.TABLE})
 
 __all__ = [
@@ -26,6 +39,7 @@ __all__ = [
     "OPERATIONS",
     "OPERATORS",
     "PREFIXES",
+    "QUERIES",
     "SETTINGS",
     "Function",
     "Operation",

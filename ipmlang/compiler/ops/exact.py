@@ -8,20 +8,20 @@ equal when |a - b| <= 1e-9 * max(|a|, |b|), so that 3 * 3.2 is not greater than 
 from __future__ import annotations
 
 import math
-from functools import reduce
+from functools import partial, reduce
 
 import numpy as np
 from numpy.typing import NDArray
 
 Batch = NDArray[np.float64]
 SNAP = 1e-9
-quiet = np.errstate(all="ignore")
+quiet = partial(np.errstate, all="ignore")
 nan = math.nan
 
 
 def add(a: Batch, b: Batch) -> Batch:
     """The sum of a and b."""
-    with quiet:
+    with quiet():
         return np.add(a, b)
 
 
@@ -32,7 +32,7 @@ def add_one(a: float, b: float) -> float:
 
 def sub(a: Batch, b: Batch) -> Batch:
     """The difference of a and b."""
-    with quiet:
+    with quiet():
         return np.subtract(a, b)
 
 
@@ -43,7 +43,7 @@ def sub_one(a: float, b: float) -> float:
 
 def mul(a: Batch, b: Batch) -> Batch:
     """The product of a and b."""
-    with quiet:
+    with quiet():
         return np.multiply(a, b)
 
 
@@ -54,7 +54,7 @@ def mul_one(a: float, b: float) -> float:
 
 def div(a: Batch, b: Batch) -> Batch:
     """The quotient of a and b; by zero: infinite, or NaN for 0 / 0."""
-    with quiet:
+    with quiet():
         return np.divide(a, b)
 
 
@@ -91,7 +91,7 @@ def _same_one(a: float, b: float) -> bool:
 
 def eq(a: Batch, b: Batch) -> Batch:
     """Whether a and b are equal, snapped."""
-    with quiet:
+    with quiet():
         return _same(a, b).astype(np.float64)
 
 
@@ -102,7 +102,7 @@ def eq_one(a: float, b: float) -> float:
 
 def ne(a: Batch, b: Batch) -> Batch:
     """Whether a and b differ, snapped."""
-    with quiet:
+    with quiet():
         return (~_same(a, b)).astype(np.float64)
 
 
@@ -113,7 +113,7 @@ def ne_one(a: float, b: float) -> float:
 
 def lt(a: Batch, b: Batch) -> Batch:
     """Whether a is less than b and not equal to it, snapped."""
-    with quiet:
+    with quiet():
         return (np.less(a, b) & ~_same(a, b)).astype(np.float64)
 
 
@@ -124,7 +124,7 @@ def lt_one(a: float, b: float) -> float:
 
 def le(a: Batch, b: Batch) -> Batch:
     """Whether a is less than b or equal to it, snapped."""
-    with quiet:
+    with quiet():
         return (np.less(a, b) | _same(a, b)).astype(np.float64)
 
 
@@ -225,7 +225,7 @@ def absolute_one(a: float) -> float:
 
 def sign(a: Batch) -> Batch:
     """-1, 0 or 1."""
-    with quiet:
+    with quiet():
         return np.sign(a) + 0.0
 
 
@@ -246,7 +246,7 @@ def clamp_one(a: float, low: float, high: float) -> float:
 
 def lerp(a: Batch, b: Batch, t: Batch) -> Batch:
     """a at t = 0, b at t = 1, on a straight line."""
-    with quiet:
+    with quiet():
         return np.add(a, np.multiply(np.subtract(b, a), t))
 
 
@@ -257,7 +257,7 @@ def lerp_one(a: float, b: float, t: float) -> float:
 
 def floor(a: Batch) -> Batch:
     """The greatest whole number not above a; 2.9999999999 snapped to 3 first."""
-    with quiet:
+    with quiet():
         near = np.rint(a)
         return np.where(_same(a, near), near, np.floor(a)) + 0.0
 
@@ -282,7 +282,7 @@ def ceil_one(a: float) -> float:
 
 def nearest_whole(a: Batch) -> Batch:
     """The nearest whole number, halves away from zero."""
-    with quiet:
+    with quiet():
         return np.copysign(floor(np.abs(a) + 0.5), a) + 0.0
 
 
@@ -293,9 +293,9 @@ def nearest_whole_one(a: float) -> float:
 
 def mod(a: Batch, b: Batch) -> Batch:
     """What a leaves when divided by b, with the sign of b; 0 where a snaps to a multiple of b."""
-    with quiet:
+    with quiet():
         whole = np.multiply(np.rint(np.divide(a, b)), b)
-        return np.where(_same(a, whole), 0.0, np.mod(a, b)) + 0.0
+        return np.where(_same(a, whole) & np.isfinite(a), 0.0, np.mod(a, b)) + 0.0
 
 
 def mod_one(a: float, b: float) -> float:
@@ -312,7 +312,7 @@ def mod_one(a: float, b: float) -> float:
 
 def root(a: Batch) -> Batch:
     """The square root; NaN below 0."""
-    with quiet:
+    with quiet():
         return np.sqrt(a)
 
 
@@ -326,7 +326,7 @@ def between(u: Batch, *bounds: Batch) -> Batch:
     if not bounds:
         return np.asarray(u, dtype=np.float64)
     low, high = (0.0, bounds[0]) if len(bounds) == 1 else bounds
-    with quiet:
+    with quiet():
         return np.add(low, np.multiply(np.subtract(high, low), u))
 
 
@@ -340,10 +340,11 @@ def between_one(u: float, *bounds: float) -> float:
 
 def whole_between(u: Batch, low: Batch, high: Batch) -> Batch:
     """A whole number from low to high, both possible; NaN when high is below low."""
-    with quiet:
+    with quiet():
         first, last = ceil(low), floor(high)
         drawn = first + np.floor(u * (last - first + 1.0))
-        return np.where(last >= first, np.minimum(drawn, last), nan)
+        known = (last >= first) & (last - first < np.inf)
+        return np.where(known, np.minimum(drawn, last), nan)
 
 
 def whole_between_one(u: float, low: float, high: float) -> float:

@@ -34,7 +34,7 @@ def _quarters(degrees: Batch) -> tuple[Batch, NDArray[np.int64]]:
 
 
 def _wave(degrees: Batch, shift: int) -> Batch:
-    with quiet:
+    with quiet():
         rest, quarter = _quarters(degrees)
         quarter = (quarter + shift) & 3
         value = np.where(quarter & 1, np.cos(rest), np.sin(rest))
@@ -53,49 +53,49 @@ def cosine(degrees: Batch) -> Batch:
 
 def tangent(degrees: Batch) -> Batch:
     """The tangent of an angle; infinite at 90."""
-    with quiet:
+    with quiet():
         return np.divide(sine(degrees), cosine(degrees))
 
 
 def arc_sine(value: Batch) -> Batch:
     """The angle from -90 to 90 whose sine it is; NaN beyond 1."""
-    with quiet:
+    with quiet():
         return np.degrees(np.arcsin(value))
 
 
 def arc_cosine(value: Batch) -> Batch:
     """The angle from 0 to 180 whose cosine it is; NaN beyond 1."""
-    with quiet:
+    with quiet():
         return np.degrees(np.arccos(value))
 
 
 def arc_tangent(value: Batch) -> Batch:
     """The angle from -90 to 90 whose tangent it is."""
-    with quiet:
+    with quiet():
         return np.degrees(np.arctan(value))
 
 
 def direction(y: Batch, x: Batch) -> Batch:
     """The angle of the point (x, y), from -180 to 180."""
-    with quiet:
+    with quiet():
         return np.degrees(np.arctan2(y, x))
 
 
 def power(base: Batch, exponent: Batch) -> Batch:
     """base to the power of exponent; NaN for a fractional power of a negative number."""
-    with quiet:
+    with quiet():
         return np.power(np.asarray(base, dtype=np.float64), exponent)
 
 
 def exponential(value: Batch) -> Batch:
     """e to the power of value."""
-    with quiet:
+    with quiet():
         return np.exp(value)
 
 
 def logarithm(value: Batch) -> Batch:
     """The natural logarithm; NaN at 0 and below."""
-    with quiet:
+    with quiet():
         return np.where(np.greater(value, 0), np.log(value), nan)
 
 
@@ -121,7 +121,7 @@ def _ratio(curve: tuple[tuple[float, ...], tuple[float, ...]], x: Batch) -> Batc
 
 def normal(u: Batch, mean: Batch, deviation: Batch) -> Batch:
     """A normally distributed number, from the uniform u by the inverse of its distribution."""
-    with quiet:
+    with quiet():
         middle = np.asarray(u, dtype=np.float64) + 2.0**-25  # 24-bit steps, never 0 or 1
         offset = middle - 0.5
         depth = np.sqrt(-np.log(np.minimum(middle, 1.0 - middle)))
@@ -133,7 +133,7 @@ def normal(u: Batch, mean: Batch, deviation: Batch) -> Batch:
 
 def noise(x: Batch, y: Batch | float = 0.0, z: Batch | float = 0.0) -> Batch:
     """Smooth noise from -1 to 1 over the line, the plane or space; unit cells, no randomness."""
-    with quiet:
+    with quiet():
         x, y, z = np.broadcast_arrays(np.asarray(x, dtype=np.float64), y, z)
         cells = [np.floor(axis) for axis in (x, y, z)]
         rest = [axis - cell for axis, cell in zip((x, y, z), cells, strict=True)]

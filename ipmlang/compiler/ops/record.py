@@ -55,7 +55,7 @@ class Operation:
     parameter takes: a number, or a turtle setting's name (`angle`, `step`, `width`).
     `meaning`: IR steps per form, same order as `forms`; empty when no executor runs it yet.
     `labels`: None when it takes no braces, else the labels its parts may bear ("*": any number, "#":
-    any name, "": parts without label). `axes`: words that may follow the name (split x).
+    any name, '""': any text, "": parts without label). `bare`: the braces may be left out. `axes`: words that may follow the name (split x).
     `effect`: motion and pen leak out of a rule, scope ends with the body.
     `leaves_plane`: it can leave z = 0 (makes a program 3-D).
     `examples` must parse and check as a successor; `refused` must give at least one error.
@@ -70,6 +70,7 @@ class Operation:
     defaults: tuple[tuple[str, str | float], ...] = ()
     meaning: tuple[tuple[Step, ...], ...] = ()
     labels: tuple[str, ...] | None = None
+    bare: bool = False
     axes: tuple[str, ...] = ()
     leaves_plane: bool = False
     examples: tuple[str, ...] = ()

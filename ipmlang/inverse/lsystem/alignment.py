@@ -53,7 +53,7 @@ def align(
 
 
 def _variants(models: Complexes, freedom: Freedom) -> Complexes:
-    """(G, V, M): each model as it is, backwards if it may be, then the same mirrored (by local x)."""
+    """(G, V, M): each model as it is, backwards if it may be, then the same mirrored."""
     forms = [models]
     if freedom.reversible:
         back = models[:, ::-1]
@@ -77,8 +77,9 @@ def _best_fit(
     fits = _correlate(given, variants[None], step)
     flat = fits.reshape(len(given), -1)
     strength = np.abs(flat)
-    # Among equally good fits the first wins: unmirrored, forward, same start.
-    best = np.argmax(strength >= strength.max(axis=1, keepdims=True) * (1 - 1e-9), axis=1)
+    # Among equally good fits the first wins: unmirrored, forward, same start. The margin is no more
+    # than rounding, since what is lost in strength is lost squared in distance.
+    best = np.argmax(strength >= strength.max(axis=1, keepdims=True) * (1 - 1e-14), axis=1)
     variant, shift = np.divmod(best, fits.shape[2])
     columns = (np.arange(given.shape[1]) + (shift * step)[:, None]) % given.shape[1]
     matched = variants[variant[:, None], columns]

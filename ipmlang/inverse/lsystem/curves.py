@@ -1,6 +1,6 @@
 """The curves of many elements stacked into flat complex columns, so that numpy sees them at once.
 
-In come outlines of `formats.drawing`, out go columns, points along the curves, full ellipses and
+In come outlines of `formats.drawing`, out go columns, points along the curves and
 moved outlines. A point (x, y) is the number x + iy. An arc keeps its four numbers: centre, u, v and
 start + i sweep, so only the first three move with the curve. Nothing here compares or groups.
 """
@@ -121,7 +121,7 @@ def moved(outline: Outline, frame: Frames) -> Outline:
 
 
 def outline_at(curves: Curves, element: int, like: Outline, origin: complex) -> Outline:
-    """One element as an outline about an origin, with the subpaths of `like`, which it came from."""
+    """One element as an outline about an origin, with the subpaths of `like`, its source."""
     rows = slice(int(curves.offsets[element]), int(curves.offsets[element + 1]))
     points = curves.points[rows].copy()
     for code, used in ((LINE, 2), (QUADRATIC, 3), (CUBIC, 4), (ARC, 1)):
@@ -149,93 +149,3 @@ def _single(kind: int, coords: Floats, closed: bool) -> Outline:
 
 def _pairs(points: Complexes) -> Floats:
     return np.stack([points.real, points.imag], axis=-1)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Ellipses:
-    """Full ellipses among n elements. full: (n,) bool; the other columns hold for those rows:
-    centre, major and minor half axes, angle of the major axis in degrees (0 for circles) and gap,
-    how far the drawn curve may be from the ideal one, in units.
-    """
-
-    full: Booleans
-    centre: Complexes
-    major: Floats
-    minor: Floats
-    angle: Floats
-    gap: Floats
-
-
-def find_ellipses(curves: Curves, tolerance: float) -> Ellipses:
-    """Elements of one subpath whose arcs run once around one ellipse, however it is cut.
-
-    An arc is centre + p exp(ia) + m exp(-ia); p m and |p|^2 + |m|^2 do not depend on where angles
-    start. Closing lines shorter than the tolerance are overlooked.
-    """
-    count = len(curves.counts)
-    blank = np.zeros((4, count))
-    result = Ellipses(np.zeros(count, np.bool_), np.zeros(count, np.complex128), *blank)
-    rows = np.flatnonzero((curves.subpaths == 1) & _arcs_only(curves, tolerance))
-    if not len(rows):
-        return result
-    first = curves.offsets[rows]
-    size, travelled, steady = _traced(curves, tolerance)
-    gap = np.abs(2 * np.pi - travelled[rows]) * size.major[first]
-    # A closed curve with a gap is off by the sagitta of its closing chord, an open one by the gap.
-    gap = np.where(curves.closed[rows], gap**2 / (8 * np.maximum(size.major[first], 1e-300)), gap)
-    good = steady[rows] & (gap <= tolerance)
-    rows, first = rows[good], first[good]
-    result.full[rows] = True
-    result.centre[rows] = curves.points[first, 0]
-    result.major[rows], result.minor[rows] = size.major[first], size.minor[first]
-    circle = size.major[first] - size.minor[first] <= tolerance
-    result.angle[rows] = np.where(circle, 0.0, size.tilt[first])
-    result.gap[rows] = gap[good]
-    return result
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Sizes:
-    """(N,) half axes and tilt (degrees) of the ellipse under each segment, zero for other kinds."""
-
-    major: Floats
-    minor: Floats
-    tilt: Floats
-
-
-def _traced(curves: Curves, tolerance: float) -> tuple[_Sizes, Floats, Booleans]:
-    """The ellipses under the segments; for each element the angle travelled (n,) and whether all
-    its arcs follow its first one's ellipse in one direction (n,).
-    """
-    arc = curves.kind == ARC
-    plus = np.where(arc, (curves.points[:, 1] - 1j * curves.points[:, 2]) / 2, 0)
-    minus = np.where(arc, (curves.points[:, 1] + 1j * curves.points[:, 2]) / 2, 0)
-    sweep = np.where(arc, curves.points[:, 3].imag * np.sign(np.abs(plus) - np.abs(minus)), 0.0)
-    major, minor = np.abs(plus) + np.abs(minus), np.abs(np.abs(plus) - np.abs(minus))
-    tilt = np.angle(plus * minus, deg=True) / 2
-    head = np.repeat(curves.offsets[:-1], curves.counts)  # first segment of a segment's element
-    # Axes, as vectors of doubled angle, agree whatever the tilt of a circle is.
-    axes = (major - minor) * np.exp(2j * np.deg2rad(tilt))
-    off = np.abs(curves.points[:, 0] - curves.points[head, 0]) + np.abs(major - major[head])
-    off += np.abs(axes - axes[head])
-    stray = _sums((arc & (off > tolerance)).astype(np.float64), curves.offsets)
-    travelled = _sums(np.abs(sweep), curves.offsets)
-    one_way = np.abs(np.abs(_sums(sweep, curves.offsets)) - travelled) < 1e-9
-    return _Sizes(major, minor, tilt), travelled, (stray == 0) & one_way
-
-
-def _arcs_only(curves: Curves, tolerance: float) -> Booleans:
-    """(n,) whether all segments are arcs, a negligible last line of a closed subpath aside."""
-    arc = curves.kind == ARC
-    short = (curves.kind == LINE) & (np.abs(curves.points[:, 1] - curves.points[:, 0]) <= tolerance)
-    bad = _sums((~arc & ~short).astype(np.float64), curves.offsets)
-    first = np.zeros(len(curves.counts), np.bool_)
-    some = curves.counts > 0
-    first[some] = arc[curves.offsets[:-1][some]]
-    return (bad == 0) & first
-
-
-def _sums(values: Floats, offsets: Integers) -> Floats:
-    """(n,) sums of the values between consecutive offsets, empty stretches included."""
-    running = np.concatenate([[0.0], np.cumsum(values)])
-    return running[offsets[1:]] - running[offsets[:-1]]

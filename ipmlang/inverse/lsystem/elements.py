@@ -17,15 +17,14 @@ from ipmlang.formats.drawing import LINE, Outline
 from ipmlang.inverse.lsystem.curves import (
     Booleans,
     Curves,
-    Ellipses,
     Integers,
     evaluate,
-    find_ellipses,
     full_ellipse,
     outline_at,
     segment_line,
 )
-from ipmlang.inverse.lsystem.frames import Complexes, Floats, Frames, frames, unit
+from ipmlang.inverse.lsystem.ellipses import Ellipses, find_ellipses
+from ipmlang.inverse.lsystem.frames import Complexes, Floats, Frames, apply, frames, unit
 from ipmlang.inverse.lsystem.shapes import Group, group_paths
 from ipmlang.inverse.lsystem.symmetry import Symmetry, dihedral, of_line, simplest, trivial
 
@@ -51,12 +50,17 @@ class Found:
 
 
 def group_elements(
-    outlines: Sequence[Outline], curves: Curves, directed: Booleans, tolerance: float
+    outlines: Sequence[Outline],
+    curves: Curves,
+    directed: Booleans,
+    tolerance: float,
+    decimals: int = 17,
 ) -> list[Found]:
     """Classes of all elements, in the order of their first members.
 
     curves: the outlines stacked, in the coordinates wanted; directed: (n,) start and direction are
-    visible; tolerance: units, how far a placed representative may be from its element.
+    visible; tolerance: units, how far a placed representative may be from its element;
+    decimals: of the coordinates, so that origins which may lie anywhere need no more.
     """
     extent = _extent(curves)
     point = extent <= tolerance / 4
@@ -70,7 +74,7 @@ def group_elements(
         found += _lines(curves, np.flatnonzero(line & (directed == fixed)), fixed, tolerance)
     found += _ellipses(ellipses, np.flatnonzero(ellipse), tolerance)
     for group in group_paths(curves, path, _layouts(outlines), directed, tolerance):
-        found.append(_path(group, curves, outlines, bool(directed[group.members[0]])))
+        found.append(_path(group, curves, outlines[group.model], decimals, directed))
     found += _points(curves, outlines, np.flatnonzero(point), directed)
     return sorted(found, key=lambda each: int(each.members[0]))
 
@@ -197,18 +201,35 @@ def _usual(values: Floats) -> float:
     return float(values[np.argmax(often[which.ravel()])])
 
 
-def _path(group: Group, curves: Curves, outlines: Sequence[Outline], directed: bool) -> Found:
-    outline = outline_at(curves, group.model, outlines[group.model], group.centre)
+def _path(
+    group: Group, curves: Curves, source: Outline, decimals: int, directed: Booleans
+) -> Found:
+    shift = _rounded_origin(group.centre, group.symmetry, decimals) - group.centre
+    placed = group.frames
+    moved = frames(apply(placed, shift), placed.angle, placed.scale, placed.handedness)
+    outline = outline_at(curves, group.model, source, group.centre + shift)
+    fixed = bool(directed[group.model])
     return Found(
-        "path",
-        group.members,
-        group.frames,
-        group.error,
-        outline,
-        group.symmetry,
-        group.radius,
-        directed,
+        "path", group.members, moved, group.error, outline, group.symmetry, group.radius, fixed
     )
+
+
+def _rounded_origin(centre: complex, symmetry: Symmetry, decimals: int) -> complex:
+    """The centre, with the coordinates that no symmetry fixes rounded: copies that are only moved
+    then stand at positions with no more decimals than the input has.
+    """
+    if symmetry.order != 1 or decimals > 9:
+        return centre
+    x, y = round(centre.real, decimals), round(centre.imag, decimals)
+    match symmetry.axis:
+        case None:
+            return complex(x, y)
+        case 0.0:
+            return complex(x, centre.imag)
+        case 90.0:
+            return complex(centre.real, y)
+        case _:
+            return centre
 
 
 def _points(

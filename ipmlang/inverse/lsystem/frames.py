@@ -112,12 +112,12 @@ def inverse(given: Frames) -> Frames:
     )
 
 
-def apply(given: Frames, points: Complexes) -> Complexes:
+def apply(given: Frames, points: Complexes | complex) -> Complexes:
     """World points of local points x + iy, broadcast with the frames."""
     return given.position + given.factor * mirrored(points, given.handedness)
 
 
-def mirrored(points: Complexes, handedness: NDArray[np.int8]) -> Complexes:
+def mirrored(points: Complexes | complex, handedness: NDArray[np.int8]) -> Complexes:
     """Points with local x flipped where the handedness is -1."""
     return points.real * handedness + 1j * points.imag
 

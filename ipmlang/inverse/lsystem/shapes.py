@@ -251,6 +251,9 @@ def _proven(
     """The cluster led by row `lead`, and which candidates belong to it."""
     # A quarter of the tolerance is left for the symmetries by which frames are simplified.
     limit = 0.75 * tolerance
+    if len(candidates) == 1:
+        alone = frames(batch.points[candidates].mean(axis=1))
+        return np.ones(1, np.bool_), _Cluster(candidates, lead, alone, np.zeros(1))
     model = batch.points[lead] - batch.points[lead].mean()
     placed, error = align(model, batch.points[candidates], batch.freedom, limit)
     fits = (error <= limit) | (candidates == lead)

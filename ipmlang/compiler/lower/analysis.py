@@ -1,0 +1,124 @@
+"""What a lowered program is: which symbols move the turtle, whether it threads, whether it is flat.
+
+In go symbols and productions, out come flags. A body is read backwards: the state is live where
+something that follows in the same bracket reads it. A child that moves where the state is live
+threads; one that is last in its bracket, or at the end of a body that is itself used so, does not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from ipmlang.compiler import ir
+
+READS = frozenset({"segment", "emit", "vertex", "polygon_open", "polygon_close", "cut"})
+MOVES = frozenset(
+    {"move", "rotate", "orient", "scale", "mirror", "level", "pen", "layer", "segment"}
+)
+
+
+class Analysis:
+    """The fixed points over the symbols of a program."""
+
+    def __init__(
+        self, symbols: Sequence[ir.Symbol], productions: Sequence[ir.Production], stepped: bool
+    ) -> None:
+        self._symbols = symbols
+        self._productions = productions
+        self._bodies = [self._own_bodies(symbol, stepped) for symbol in symbols]
+        self._moves = [False] * len(symbols)
+        changed = True
+        while changed:
+            changed = False
+            for number, bodies in enumerate(self._bodies):
+                if not self._moves[number] and any(self._displaces(each) for each in bodies):
+                    self._moves[number] = changed = True
+
+    def symbols(self) -> tuple[ir.Symbol, ...]:
+        """The symbols with `moves` set."""
+        pairs = zip(self._symbols, self._moves, strict=True)
+        return tuple(replace(symbol, moves=moves) for symbol, moves in pairs)
+
+    def threaded(self, axiom: ir.Production) -> bool:
+        """Whether anything that threads, looks around or cuts is there."""
+        productions = (*self._productions, axiom)
+        return (
+            any(each.left or each.right for each in productions)
+            or any(each.op == "cut" for symbol in self._symbols for each in symbol.meaning or ())
+            or any(self._read(each.body, live=False)[0] for each in productions)
+        )
+
+    def _own_bodies(
+        self, symbol: ir.Symbol, stepped: bool
+    ) -> list[tuple[ir.Instruction, ...]]:
+        """All that a module of a symbol may become, its meaning included where that may be left."""
+        numbers = symbol.productions + symbol.interpretation
+        bodies = [self._productions[number].body for number in numbers]
+        if symbol.meaning is not None and (stepped or not symbol.productions):
+            bodies.append(symbol.meaning)
+        return bodies
+
+    def _displaces(self, body: Sequence[ir.Instruction]) -> bool:
+        depth = 0
+        for each in body:
+            depth += (each.op == "open") - (each.op == "close")
+            if depth == 0 and self._moves_one(each):
+                return True
+        return False
+
+    def _moves_one(self, each: ir.Instruction) -> bool:
+        if each.op == "module":
+            return self._moves[_number(each)]
+        return each.op in MOVES or (each.op == "repeat" and self._displaces(each.body))
+
+    def _read(self, body: Sequence[ir.Instruction], live: bool) -> tuple[bool, bool]:
+        """Whether a body threads when the state is live, or not, at its end; whether it is live at
+        its start."""
+        threads = False
+        after: list[bool] = []
+        for each in reversed(body):
+            if each.op == "close":
+                after.append(live)
+                live = False
+            elif each.op == "open":
+                live = after.pop() or live
+            elif each.op == "module":
+                threads |= self._expands(each) and self._moves[_number(each)] and live
+                live |= self._looks(each)
+            elif each.op == "repeat":
+                again = self._read(each.body, live)[1] or live
+                inner, start = self._read(each.body, again)
+                threads |= inner
+                live |= start
+        return threads, live
+
+    def _expands(self, each: ir.Instruction) -> bool:
+        symbol = self._symbols[_number(each)]
+        return bool(symbol.productions or symbol.interpretation)
+
+    def _looks(self, each: ir.Instruction) -> bool:
+        """Whether a module reads the state: it draws, or becomes something that may."""
+        meaning = self._symbols[_number(each)].meaning or ()
+        return self._expands(each) or any(step.op in READS for step in meaning)
+
+
+def flat(symbols: Sequence[ir.Symbol], tropism: tuple[float, float, float, float] | None) -> bool:
+    """Whether nothing leaves z = 0: no meaning tilts, lifts or bends out of it."""
+    lifted = any(_lifts(symbol) for symbol in symbols)
+    return not lifted and (tropism is None or tropism[2] == 0)
+
+
+def _lifts(symbol: ir.Symbol) -> bool:
+    constants = {each.out: each.const for each in symbol.meaning or () if each.op == "const"}
+    for each in symbol.meaning or ():
+        if each.op == "orient" or (each.op == "rotate" and each.const != "z"):
+            return True
+        if each.op == "move" and constants.get(each.args[2]) != 0.0:
+            return True
+    return False
+
+
+def _number(each: ir.Instruction) -> int:
+    assert isinstance(each.const, int)
+    return each.const

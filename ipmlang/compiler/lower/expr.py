@@ -1,0 +1,293 @@
+"""Expressions to straight-line value instructions.
+
+In goes an expression and what its names stand for, out comes an operand: a known number, or a
+register of the code that was appended. Constants fold, functions are inlined, random call sites are
+numbered in the order of the code. Makes no modules and knows no operation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias, assert_never
+
+from ipmlang.compiler import ast, ir
+from ipmlang.compiler.diagnostics import IpmError
+from ipmlang.compiler.lower.names import Unit
+from ipmlang.compiler.ops import CONSTANTS, FUNCTIONS, OPERATORS, PREFIXES
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """A number that is known when lowering; a text is its number among Program.strings."""
+
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Register:
+    """A number that code computes."""
+
+    number: int
+
+
+@dataclass(frozen=True, slots=True)
+class Load:
+    """What code loads where it is first read: a parameter or a copy's number."""
+
+    op: Literal["param", "index"]
+    number: int
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A row of a table: the table's number, its columns, and which row."""
+
+    table: int
+    columns: tuple[str, ...]
+    index: Load
+
+
+Operand: TypeAlias = Known | Register
+Binding: TypeAlias = Operand | Load | Row
+Environment: TypeAlias = Mapping[str, Binding]
+_Key: TypeAlias = tuple[ir.Opcode, object]
+
+
+@dataclass(slots=True, eq=False)
+class Pool:
+    """What the whole program shares: interned texts, and the numbers of attributes."""
+
+    strings: dict[str, int] = field(default_factory=dict)
+    attrs: dict[str, int] = field(default_factory=dict)
+
+    def text(self, value: str) -> Known:
+        """A text as its number."""
+        return Known(float(self.strings.setdefault(value, len(self.strings))))
+
+
+@dataclass(slots=True, eq=False)
+class Counter:
+    """The next register and the next site of one production."""
+
+    register: int = 0
+    site: int = 0
+
+
+class Code:
+    """Code under construction, in one block of a production: its body, or that of a repeat.
+
+    `unit` and `item` are where names are looked up and errors are reported. A block within another
+    reads its registers; constants, parameters and attributes are loaded once a block.
+    """
+
+    def __init__(
+        self,
+        pool: Pool,
+        unit: Unit,
+        item: int,
+        counter: Counter | None = None,
+        outer: Code | None = None,
+    ) -> None:
+        self.pool = pool
+        self.unit = unit
+        self.item = item
+        self.counter = counter or Counter()
+        self.instructions: list[ir.Instruction] = []
+        self._outer = outer
+        self._loaded: dict[_Key, int] = {}
+        self._inlining: list[str] = []
+
+    def block(self) -> Code:
+        """The code of a repeat within this one."""
+        return Code(self.pool, self.unit, self.item, self.counter, self)
+
+    def site(self) -> int:
+        """The next number for a random draw or a child."""
+        self.counter.site += 1
+        return self.counter.site - 1
+
+    def error(self, span: ast.Span, code: str, message: str, hint: str | None = None) -> IpmError:
+        """An error at a place of the item that is lowered."""
+        return self.unit.error(self.item, span, code, message, hint)
+
+    def module(self, symbol: int, args: Sequence[Operand] = (), span: ast.Span = ast.NOWHERE) -> None:
+        """A child, or a command to the turtle."""
+        registers = tuple(self.register(arg) for arg in args)
+        place = (span.start, span.end)
+        made = ir.Instruction("module", -1, registers, symbol, self.site(), span=place)
+        self.instructions.append(made)
+
+    def act(self, op: ir.Opcode, args: Sequence[Operand] = (), const: ir.Const = None) -> None:
+        """An instruction without a result: a bracket, or one of a meaning."""
+        registers = tuple(self.register(arg) for arg in args)
+        self.instructions.append(ir.Instruction(op, -1, registers, const))
+
+    def repeat(self, number: int, args: Sequence[Operand], body: Code, span: ast.Span) -> None:
+        """Copies of a block: how many, and which of them draw nothing."""
+        registers = tuple(self.register(arg) for arg in args)
+        place = (span.start, span.end)
+        instructions = tuple(body.instructions)
+        made = ir.Instruction("repeat", -1, registers, number, -1, instructions, place)
+        self.instructions.append(made)
+
+    def number(self, value: float) -> Operand:
+        """A known number."""
+        return Known(float(value))
+
+    def known(self, expr: ast.Expr, names: Environment) -> float | None:
+        """The number of an expression that needs no code."""
+        operand = self.block().value(expr, names)
+        return operand.value if isinstance(operand, Known) else None
+
+    def register(self, operand: Operand) -> int:
+        """The register that holds an operand."""
+        if isinstance(operand, Register):
+            return operand.number
+        return self.load("const", operand.value).number
+
+    def load(self, op: ir.Opcode, const: float | int) -> Register:
+        """A constant, parameter, attribute or copy number, read once."""
+        found = self._find((op, const))
+        if found is None:
+            found = self._append(op, const=const).number
+            self._loaded[op, const] = found
+        return Register(found)
+
+    def call(self, name: str, args: Sequence[Operand]) -> Operand:
+        """A pure function of operands, folded where all of them are known."""
+        function = FUNCTIONS[name]
+        if function.random:
+            drawn: Operand = self._append("uniform", site=self.site())
+            args = (drawn, *args)
+        known = [arg.value for arg in args if isinstance(arg, Known)]
+        if len(known) == len(args):
+            return Known(function.single(*known))
+        return self._append("call", tuple(self.register(arg) for arg in args), name)
+
+    def row(self, row: Row, column: str) -> Operand:
+        """A cell of a table."""
+        where = (row.table, row.columns.index(column))
+        index = self.load(row.index.op, row.index.number)
+        return self._append("row", (index.number,), where)
+
+    def value(self, expr: ast.Expr, names: Environment) -> Operand:
+        """The operand of an expression; `names` are its parameters and copy numbers."""
+        match expr:
+            case ast.Number():
+                return Known(float(expr.value))
+            case ast.Truth():
+                return Known(float(expr.value))
+            case ast.Text():
+                return self.pool.text(expr.value)
+            case ast.Name():
+                return self._name(expr, names)
+            case ast.Call():
+                return self._call(expr, names)
+            case ast.Unary():
+                return self.call(PREFIXES[expr.op], (self.value(expr.value, names),))
+            case ast.Binary():
+                both = (self.value(expr.left, names), self.value(expr.right, names))
+                return self.call(OPERATORS[expr.op], both)
+            case ast.If():
+                return self._choice(expr, names)
+            case ast.Tuple():
+                raise self.error(expr.span, "not-executable", "a vector is no number here")
+            case _:
+                assert_never(expr)
+
+    def _append(
+        self,
+        op: ir.Opcode,
+        args: tuple[int, ...] = (),
+        const: ir.Const = None,
+        site: int = -1,
+    ) -> Register:
+        out = self.counter.register
+        self.counter.register += 1
+        self.instructions.append(ir.Instruction(op, out, args, const, site))
+        return Register(out)
+
+    def _find(self, key: _Key) -> int | None:
+        if key in self._loaded:
+            return self._loaded[key]
+        return None if self._outer is None else self._outer._find(key)
+
+    def _choice(self, expr: ast.If, names: Environment) -> Operand:
+        condition = self.value(expr.condition, names)
+        if isinstance(condition, Known):
+            return self.value(expr.value if condition.value else expr.other, names)
+        value = self.value(expr.value, names)
+        return self.call("select", (condition, value, self.value(expr.other, names)))
+
+    def _name(self, expr: ast.Name, names: Environment) -> Operand:
+        bound = names.get(expr.id)
+        if isinstance(bound, Known | Register):
+            return bound
+        if isinstance(bound, Load):
+            return self.load(bound.op, bound.number)
+        first, _, column = expr.id.rpartition(".")
+        row = names.get(first)
+        if isinstance(row, Row) and column in row.columns:
+            return self.row(row, column)
+        place = self.unit.find(expr.id)
+        if place is not None:
+            match place.unit.grammar.items[place.item]:
+                case ast.Const() as item:
+                    return self._inlined(expr, place.unit, place.item, item.value, {})
+                case ast.Attr() as item:
+                    number = self.pool.attrs.get(place.unit.prefix + item.name)
+                    if number is not None:
+                        return self.load("attr", number)
+                case _:
+                    pass
+        if expr.id in CONSTANTS:
+            return Known(CONSTANTS[expr.id][0])
+        raise self.error(
+            expr.span, "not-executable", f"`{expr.id}` has no value that this version can compute"
+        )
+
+    def _call(self, expr: ast.Call, names: Environment) -> Operand:
+        args = [self.value(each.value, names) for each in self._ordered(expr)]
+        place = self.unit.find(expr.name)
+        if place is not None:
+            item = place.unit.grammar.items[place.item]
+            if isinstance(item, ast.Function):
+                own = dict(zip((each.name for each in item.parameters), args, strict=True))
+                return self._inlined(expr, place.unit, place.item, item.value, own)
+        if expr.name not in FUNCTIONS:
+            message = f"the function `{expr.name}` is not executable yet"
+            raise self.error(expr.span, "not-executable", message)
+        return self.call(expr.name, args)
+
+    def _ordered(self, expr: ast.Call) -> list[ast.Argument]:
+        """Arguments in the order of the function's parameters."""
+        record = FUNCTIONS.get(expr.name)
+        if record is None or all(each.name is None for each in expr.args):
+            return list(expr.args)
+        order = [each.name for each in record.params]
+        plain = [each for each in expr.args if each.name is None]
+        named = [each for each in expr.args if each.name is not None]
+        return [*plain, *sorted(named, key=lambda each: order.index(str(each.name)))]
+
+    def _inlined(
+        self,
+        expr: ast.Name | ast.Call,
+        unit: Unit,
+        item: int,
+        value: ast.Expr,
+        names: Environment,
+    ) -> Operand:
+        """The value of a constant or function, in the unit that defines it."""
+        name = expr.id if isinstance(expr, ast.Name) else expr.name
+        key = f"{unit.source.path}:{item}"
+        if key in self._inlining:
+            raise self.error(expr.span, "endless-definition", f"`{name}` is defined by itself")
+        self._inlining.append(key)
+        here = (self.unit, self.item)
+        self.unit, self.item = unit, item
+        try:
+            return self.value(value, names)
+        finally:
+            self.unit, self.item = here
+            self._inlining.pop()

@@ -1,0 +1,143 @@
+"""Successors to code: modules, brackets, repeats and polygons become children of a production.
+
+In go the elements of a body, out come instructions appended to its code. An operation that no
+executor runs yet is noted with its place and left out; whoever asked raises what was noted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol, assert_never
+
+from ipmlang.compiler import ast
+from ipmlang.compiler.lower.expr import Binding, Code, Environment, Load, Operand, Row
+from ipmlang.compiler.lower.names import Unit
+from ipmlang.compiler.ops import OPERATIONS
+
+
+class Namer(Protocol):
+    """Numbers what bodies name."""
+
+    def symbol(self, unit: Unit, name: str, arity: int) -> int | None:
+        """The number of a symbol, None where no executor runs it yet."""
+
+    def mark(self, name: str, close: bool) -> int | None:
+        """The symbol of the opening or closing brace of an operation, None as above."""
+
+    def table(self, unit: Unit, name: str) -> tuple[int, tuple[str, ...], int] | None:
+        """Number, columns and row count of a table."""
+
+    def steps_table(self, steps: tuple[float, ...]) -> int:
+        """The number of a table of the lengths of moves."""
+
+    def refuse(self, code: Code, span: ast.Span, what: str) -> None:
+        """Note that something is not executable yet."""
+
+
+class Body:
+    """Writes one production's body; repeats are numbered as they come."""
+
+    def __init__(self, namer: Namer) -> None:
+        self._namer = namer
+        self._repeats = 0
+
+    def write(self, code: Code, elements: Sequence[ast.Element], names: Environment) -> None:
+        """Append the elements to the code."""
+        for element in elements:
+            match element:
+                case ast.Module():
+                    self._module(code, element, names)
+                case ast.Bracket():
+                    code.act("open")
+                    self.write(code, element.body, names)
+                    code.act("close")
+                case ast.Repeat():
+                    self._repeat(code, element, names)
+                case ast.Block():
+                    self._block(code, element, names)
+                case ast.Split():
+                    self._namer.refuse(code, element.span, "split")
+                case ast.Each():
+                    self._namer.refuse(code, element.span, element.target.name)
+                case ast.Assign():
+                    self._namer.refuse(code, element.span, "set")
+                case _:
+                    assert_never(element)
+
+    def _module(self, code: Code, module: ast.Module, names: Environment) -> None:
+        symbol = self._namer.symbol(code.unit, module.name, len(module.args))
+        if symbol is None:
+            self._namer.refuse(code, module.span, module.name)
+            return
+        args = [code.value(each.value, names) for each in self._ordered(module)]
+        code.module(symbol, args, module.span)
+
+    def _ordered(self, module: ast.Module) -> list[ast.Argument]:
+        """Arguments in the order of the operation's parameters."""
+        record = OPERATIONS.get(module.name)
+        if record is None or all(each.name is None for each in module.args):
+            return list(module.args)
+        for form in record.forms:
+            order = [each.name for each in form]
+            if len(form) >= len(module.args) and all(
+                each.name is None or each.name in order for each in module.args
+            ):
+                plain = [each for each in module.args if each.name is None]
+                named = [each for each in module.args if each.name is not None]
+                return [*plain, *sorted(named, key=lambda each: order.index(str(each.name)))]
+        return list(module.args)
+
+    def _block(self, code: Code, block: ast.Block, names: Environment) -> None:
+        opens = self._namer.mark(block.name, close=False)
+        closes = self._namer.mark(block.name, close=True)
+        if opens is None or closes is None:
+            self._namer.refuse(code, block.span, block.name)
+            return
+        code.module(opens, (), block.span)
+        for part in block.parts:
+            self.write(code, part.body, names)
+        code.module(closes, (), block.span)
+
+    def _repeat(self, code: Code, repeat: ast.Repeat, names: Environment) -> None:
+        number = self._repeats
+        self._repeats += 1
+        copy = Load("index", number)
+        own: dict[str, Binding] = dict(names)
+        if isinstance(repeat.head, ast.Count):
+            limit = code.value(repeat.head.limit, names)
+            own[repeat.head.variable] = copy
+        else:
+            limit = self._rows(code, repeat.head, copy, own)
+        if repeat.rows is not None:
+            self._rows(code, repeat.rows, copy, own)
+        args = [limit, *(code.value(each, names) for each in repeat.holes)]
+        inner = code.block()
+        self.write(inner, repeat.body, own)
+        if repeat.steps:
+            self._step(inner, repeat, copy)
+        code.repeat(number, args, inner, repeat.span)
+
+    def _rows(
+        self, code: Code, rows: ast.Rows, copy: Load, names: dict[str, Binding]
+    ) -> Operand:
+        """Bind a row's variable; the number of rows."""
+        found = self._namer.table(code.unit, rows.table)
+        if found is None:
+            raise code.error(rows.span, "unknown-table", f"there is no table `{rows.table}`")
+        table, columns, count = found
+        names[rows.variable] = Row(table, columns, copy)
+        return code.number(count)
+
+    def _step(self, code: Code, repeat: ast.Repeat, copy: Load) -> None:
+        """The move from this copy to the next; after the last one, none."""
+        lengths = []
+        for each in repeat.steps:
+            length = code.known(each, {})
+            if length is None:
+                message = "the lengths of `steps` must be known numbers"
+                raise code.error(repeat.span, "not-constant", message)
+            lengths.append(length)
+        table = self._namer.steps_table((*lengths, 0.0))
+        move = self._namer.symbol(code.unit, "f", 1)
+        assert move is not None
+        code.module(move, (code.row(Row(table, ("step",), copy), "step"),), repeat.span)

@@ -1,0 +1,236 @@
+"""A whole program: from its start, every symbol, rule, asset and table that it reaches.
+
+In go units with their names found, out comes a program. What no executor runs yet is collected and
+reported at once, each with its place, when it can be reached; what cannot be reached is not lowered.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import replace
+from typing import Literal
+
+from ipmlang.compiler import ast, ir
+from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail
+from ipmlang.compiler.lower import analysis, settings
+from ipmlang.compiler.lower.expr import Code, Pool
+from ipmlang.compiler.lower.meaning import Meanings, steps_of
+from ipmlang.compiler.lower.names import Unit
+from ipmlang.compiler.lower.productions import axiom, production
+from ipmlang.compiler.lower.tables import Tables
+from ipmlang.compiler.ops import OPERATIONS, Operation
+
+Key = tuple[int, str, int]  # the unit that defines it (0: none does), name, arity
+
+
+class Lowering:
+    """Numbers for all that is named, given when it is first reached."""
+
+    def __init__(self, main: Unit, units: tuple[Unit, ...]) -> None:
+        self._main = main
+        self._units = units
+        self._pool = Pool()
+        self._tables = Tables(self._pool)
+        self._attrs = settings.attributes(self._pool, units)
+        self._turtle = settings.turtle(main)
+        self._meanings = Meanings(self._pool, main, self._turtle)
+        self._numbers: dict[Key, int] = {}
+        self._symbols: list[ir.Symbol] = []
+        self._waiting: deque[tuple[int, Unit, str]] = deque()
+        self._productions: list[ir.Production] = []
+        self._assets: list[ir.AssetFile] = []
+        self._refused: dict[str, list[Diagnostic]] = {}
+
+    def program(self) -> ir.Program:
+        """The program, or an error that names all that is not executable yet."""
+        number, start = self._start()
+        elements = (*settings.prelude(self._turtle), *start.axiom)
+        first = axiom(self._pool, self, self._main, number, elements)
+        while self._waiting:
+            self._lower_rules(*self._waiting.popleft())
+        steps = None
+        if start.steps is not None:
+            code = Code(self._pool, self._main, number)
+            register = code.register(code.value(start.steps, {}))
+            steps = (tuple(code.instructions), register)
+        ignored = self._ignored()
+        self._refuse_options(number, start)
+        self._raise_refused()
+        tropism = settings.tropism(self._pool, self._main)
+        found = analysis.Analysis(self._symbols, self._productions, start.steps is not None)
+        canvas, size = settings.canvas(self._pool, self._main)
+        return ir.Program(
+            found.symbols(),
+            tuple(self._productions),
+            first,
+            self._attrs,
+            tuple(self._tables.data),
+            tuple(self._assets),
+            tuple(self._pool.strings),
+            steps,
+            found.threaded(first),
+            analysis.flat(self._symbols, tropism),
+            settings.is_abop(self._turtle),
+            tropism,
+            ignored,
+            settings.limits(self._pool, self._main),
+            canvas,
+            size,
+            self._up(),
+            settings.pen_width(self._pool, self._main, self._turtle),
+            start.choices,
+            self._main.source.path,
+        )
+
+    # ------------------------------------------------------------------ what bodies ask
+
+    def symbol(self, unit: Unit, name: str, arity: int) -> int | None:
+        """The number of a symbol, None where no executor runs it yet."""
+        record = OPERATIONS.get(name)
+        owner, own = unit.within(name)
+        spellings = _spellings(own, record)
+        rules = any(each in owner.rules or each in owner.interpretations for each in spellings)
+        place = owner.find(own)
+        item = None if place is None else place.unit.grammar.items[place.item]
+        asset = item if isinstance(item, ast.Asset) else None
+        steps = None if record is None or asset is not None else steps_of(record, arity)
+        if record is not None and steps is None and not rules and asset is None:
+            return None
+        shown = record.name if record is not None and asset is None else own
+        key = (id(owner) if rules or asset is not None else 0, shown, arity)
+        if key not in self._numbers:
+            number = self._add(key, ir.Symbol(shown, arity))
+            if asset is not None and place is not None:
+                self._give(number, (ir.Instruction("emit", const=self._asset(place.unit, own, asset)),))
+            elif record is not None and steps is not None:
+                self._give(number, *self._meanings.of(record, arity, steps))
+            if rules:
+                self._waiting.append((number, owner, own))
+        return self._numbers[key]
+
+    def mark(self, name: str, close: bool) -> int | None:
+        """The symbol of the opening or closing brace of an operation."""
+        record = OPERATIONS.get(name)
+        steps = None if record is None else steps_of(record, 0)
+        middle = [number for number, step in enumerate(steps or ()) if step.op == "body"]
+        if record is None or steps is None or not middle:
+            return None
+        key = (0, "}" if close else "{", -1 - list(OPERATIONS).index(name))
+        if key not in self._numbers:
+            half = steps[middle[0] + 1 :] if close else steps[: middle[0]]
+            number = self._add(key, ir.Symbol(key[1], 0))
+            self._give(number, *self._meanings.of(record, 0, half))
+        return self._numbers[key]
+
+    def table(self, unit: Unit, name: str) -> tuple[int, tuple[str, ...], int] | None:
+        """Number, columns and row count of a table."""
+        place = unit.find(name)
+        if place is None or not isinstance(place.unit.grammar.items[place.item], ast.Table):
+            return None
+        number = self._tables.number(place)
+        return number, self._tables.data[number].columns, len(self._tables.data[number].rows)
+
+    def steps_table(self, steps: tuple[float, ...]) -> int:
+        """The number of a table of the lengths of moves."""
+        return self._tables.steps(steps)
+
+    def refuse(self, code: Code, span: ast.Span, what: str) -> None:
+        """Note that an operation is not executable yet."""
+        self._note(code.unit, code.item, span, what, f"operation `{what}` is not executable yet")
+
+    # ------------------------------------------------------------------------- parts
+
+    def _add(self, key: Key, symbol: ir.Symbol) -> int:
+        self._numbers[key] = len(self._symbols)
+        self._symbols.append(symbol)
+        return self._numbers[key]
+
+    def _give(self, number: int, meaning: tuple[ir.Instruction, ...], registers: int = 0) -> None:
+        symbol = self._symbols[number]
+        self._symbols[number] = replace(symbol, meaning=meaning, meaning_registers=registers)
+
+    def _lower_rules(self, number: int, unit: Unit, name: str) -> None:
+        symbol = self._symbols[number]
+        spellings = _spellings(name, OPERATIONS.get(name))
+        made = [
+            self._alternatives(number, symbol.arity, unit, named, spellings)
+            for named in (unit.rules, unit.interpretations)
+        ]
+        self._symbols[number] = replace(
+            self._symbols[number], productions=made[0], interpretation=made[1]
+        )
+
+    def _alternatives(
+        self, number: int, arity: int, unit: Unit, named: dict[str, list[int]],
+        spellings: tuple[str, ...],
+    ) -> tuple[int, ...]:
+        items = sorted(item for each in spellings for item in named.get(each, ()))
+        numbers = []
+        for item in items:
+            rule = unit.grammar.items[item]
+            assert isinstance(rule, ast.Rule)
+            if len(rule.head.parameters) == arity:
+                made = production(self._pool, self, unit, item, number, rule)
+                numbers.append(len(self._productions))
+                self._productions.append(made)
+        return tuple(numbers)
+
+    def _asset(self, unit: Unit, name: str, asset: ast.Asset) -> int:
+        file, _, node = asset.reference.partition("#")
+        if asset.by_name:
+            node = name.rpartition(".")[2]
+        made = ir.AssetFile(name, (unit.folder / file).absolute(), node or None)
+        self._assets.append(made)
+        return len(self._assets) - 1
+
+    def _start(self) -> tuple[int, ast.Start]:
+        found = list(self._main.items(ast.Start))
+        if not found:
+            raise fail(
+                "no-start", f"{self._main.source.path} has no `start`: nothing says where to begin"
+            )
+        return found[-1]
+
+    def _ignored(self) -> frozenset[int]:
+        names = {
+            spelling
+            for _, item in self._main.items(ast.Ignore)
+            for name in item.names
+            for spelling in _spellings(name, OPERATIONS.get(name))
+        }
+        return frozenset(i for i, symbol in enumerate(self._symbols) if symbol.name in names)
+
+    def _up(self) -> Literal["y-up", "z-up"]:
+        items = [item for _, item in self._main.items(ast.Axes)]
+        return items[-1].up if items else "z-up"
+
+    def _refuse_options(self, number: int, start: ast.Start) -> None:
+        options = {
+            "on": start.place, "seeds": start.seeds, "direction": start.direction,
+            "with": start.sites or None, "avoiding": start.avoiding, "retries": start.retries,
+            "choices": start.choices,
+        }  # fmt: skip
+        for word, value in options.items():
+            if value is not None:
+                message = f"`start … {word}` is not executable yet"
+                self._note(self._main, number, start.span, f"start {word}", message)
+
+    def _note(self, unit: Unit, item: int, span: ast.Span, what: str, message: str) -> None:
+        self._refused.setdefault(what, []).append(
+            unit.diagnostic(item, span, "not-executable", message)
+        )
+
+    def _raise_refused(self) -> None:
+        """One error an operation, at its first use; the others are counted."""
+        if not self._refused:
+            return
+        errors = []
+        for uses in self._refused.values():
+            more = len(uses) - 1
+            hint = f"and in {more:,} more place{'s' if more > 1 else ''}" if more else None
+            errors.append(replace(uses[0], hint=hint))
+        raise IpmError(errors)
+
+
+def _spellings(name: str, record: Operation | None) -> tuple[str, ...]:
+    return (name,) if record is None else (record.name, *record.synonyms)

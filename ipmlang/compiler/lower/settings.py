@@ -1,0 +1,180 @@
+"""The settings of a program: attributes, turtle, limits, canvas, tropism.
+
+In go the items of its files, out come the fields of a program. Numbers that an executor must know
+before it starts are computed here; one that is not known is an error at its place.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Sequence
+from typing import Literal
+
+from ipmlang.compiler import ast, ir
+from ipmlang.compiler.lower.expr import Code, Known, Pool
+from ipmlang.compiler.lower.meaning import Settings
+from ipmlang.compiler.lower.names import Unit
+
+ATTR_SITE = 0x30000000
+
+
+def attributes(pool: Pool, units: Sequence[Unit]) -> tuple[ir.Attribute, ...]:
+    """The attributes of all files, in an order in which each default reads only earlier ones."""
+    made: list[ir.Attribute] = []
+    places = [(unit, number, item) for unit in units for number, item in unit.items(ast.Attr)]
+    while places:
+        before = len(made)
+        waiting = []
+        for unit, number, item in places:
+            if _reads_unknown(pool, unit, item.default):
+                waiting.append((unit, number, item))
+                continue
+            made.append(_attribute(pool, unit, number, item))
+            pool.attrs[made[-1].name] = len(made) - 1
+        if len(made) == before:
+            unit, number, item = waiting[0]
+            message = f"the default of `{item.name}` depends on itself"
+            raise unit.error(number, item.span, "endless-definition", message)
+        places = waiting
+    return tuple(made)
+
+
+def _reads_unknown(pool: Pool, unit: Unit, expr: ast.Expr) -> bool:
+    """Whether an expression reads an attribute that has no number yet."""
+    match expr:
+        case ast.Name():
+            place = unit.find(expr.id)
+            if place is None:
+                return False
+            item = place.unit.grammar.items[place.item]
+            if isinstance(item, ast.Const):
+                return _reads_unknown(pool, place.unit, item.value)
+            return isinstance(item, ast.Attr) and place.unit.prefix + item.name not in pool.attrs
+        case ast.Call():
+            return any(_reads_unknown(pool, unit, each.value) for each in expr.args)
+        case ast.Unary():
+            return _reads_unknown(pool, unit, expr.value)
+        case ast.Binary():
+            return any(_reads_unknown(pool, unit, each) for each in (expr.left, expr.right))
+        case ast.If():
+            parts = (expr.condition, expr.value, expr.other)
+            return any(_reads_unknown(pool, unit, each) for each in parts)
+        case _:
+            return False
+
+
+def _attribute(pool: Pool, unit: Unit, number: int, item: ast.Attr) -> ir.Attribute:
+    name = unit.prefix + item.name
+    code = Code(pool, unit, number)
+    code.counter.site = ATTR_SITE | (zlib.crc32(name.encode()) & 0xFFFFFF0)
+    register = code.register(code.value(item.default, {}))
+    low = high = None
+    choices: tuple[str | float, ...] = ()
+    if isinstance(item.allowed, ast.Range):
+        low, high = (_bound(pool, unit, number, end) for end in (item.allowed.low, item.allowed.high))
+    elif isinstance(item.allowed, ast.Choices):
+        choices = tuple(
+            value.value if isinstance(value, ast.Text) else _number(pool, unit, number, value)
+            for value in item.allowed.values
+        )
+    return ir.Attribute(
+        name,
+        _type(item),
+        (tuple(code.instructions), register),
+        code.counter.register,
+        low,
+        high,
+        choices,
+        item.doc,
+    )
+
+
+def _type(item: ast.Attr) -> Literal["int", "float", "bool", "string"]:
+    match item.type, item.default:
+        case ("int" | "float" | "bool" | "string") as given, _:
+            return given
+        case _, ast.Truth():
+            return "bool"
+        case _, ast.Text():
+            return "string"
+        case _:
+            return "float"
+
+
+def _bound(pool: Pool, unit: Unit, item: int, expr: ast.Expr | None) -> float | None:
+    return None if expr is None else _number(pool, unit, item, expr)
+
+
+def _number(pool: Pool, unit: Unit, item: int, expr: ast.Expr) -> float:
+    code = Code(pool, unit, item)
+    operand = code.value(expr, {})
+    if isinstance(operand, Known):
+        return operand.value
+    raise code.error(
+        expr.span, "not-constant", "this number must be known before a derivation starts"
+    )
+
+
+def turtle(unit: Unit) -> Settings:
+    """The words of the `turtle` items, the last one of each."""
+    return {
+        setting.key: (number, setting.value)
+        for number, item in unit.items(ast.Turtle)
+        for setting in item.settings
+    }
+
+
+def is_abop(settings: Settings) -> bool:
+    """Whether the turtle starts as in the book."""
+    frame = settings.get("frame", (0, ast.Name("")))[1]
+    return isinstance(frame, ast.Name | ast.Text) and "abop" in (
+        frame.id if isinstance(frame, ast.Name) else frame.value
+    )
+
+
+def prelude(settings: Settings) -> tuple[ast.Module, ...]:
+    """What stands before the axiom: a pen width that is known only when a run starts."""
+    width = settings.get("width")
+    return () if width is None or isinstance(width[1], ast.Number) else (ast.Module("!"),)
+
+
+def pen_width(pool: Pool, unit: Unit, settings: Settings) -> float | None:
+    """The width that the pen starts with, None where nothing sets it."""
+    item, width = settings.get("width", (0, ast.Name("")))
+    return _number(pool, unit, item, width) if isinstance(width, ast.Number) else None
+
+
+def limits(pool: Pool, unit: Unit) -> ir.Limits:
+    """Where a derivation stops."""
+    found = {
+        setting.key: int(_number(pool, unit, number, setting.value))
+        for number, item in unit.items(ast.Limit)
+        for setting in item.settings
+    }
+    plain = ir.Limits()
+    return ir.Limits(
+        found.get("shapes", plain.shapes),
+        found.get("steps", plain.steps),
+        found.get("depth", plain.depth),
+        found.get("memory", plain.memory),
+    )
+
+
+def tropism(pool: Pool, unit: Unit) -> tuple[float, float, float, float] | None:
+    """The vector and the elasticity of the last `tropism` item."""
+    for number, item in reversed(list(unit.items(ast.Tropism))):
+        parts = item.vector.items if isinstance(item.vector, ast.Tuple) else (item.vector,)
+        vector = [_number(pool, unit, number, part) for part in parts]
+        x, y, z = (*vector, 0.0, 0.0, 0.0)[:3]
+        return x, y, z, _number(pool, unit, number, item.elasticity)
+    return None
+
+
+def canvas(
+    pool: Pool, unit: Unit
+) -> tuple[tuple[float, float, float, float] | None, tuple[str | None, str | None]]:
+    """The box of a drawing, and its width and height as they were written."""
+    for number, item in reversed(list(unit.items(ast.Canvas))):
+        x, y, width, height = (_number(pool, unit, number, each) for each in item.box)
+        return (x, y, width, height), (item.width, item.height)
+    return None, (None, None)

@@ -1,0 +1,143 @@
+"""Operations that make and take apart polygons and solids: extrude, comp, split, roofs, booleans.
+
+Records only. None has a meaning yet: no executor runs them, and `run` names them. `split` with its
+sizes has a syntax of its own; its record says which axes it knows.
+"""
+
+from __future__ import annotations
+
+from ipmlang.compiler.ops.record import Operation, Param
+from ipmlang.compiler.ops.scope import number, planned, words
+
+_SIDES = (
+    "front", "back", "left", "right", "side", "top", "bottom", "vertical", "horizontal", "aslant",
+    "inside", "all", "eave", "ridge", "slope", "gable", "border", "edge", "vertex", "faces", "edges",
+    "*", '""',
+)  # fmt: skip
+_ARMS = ("shape", "rest", "remainder")
+
+
+def _solid(
+    name: str,
+    doc: str,
+    forms: tuple[tuple[Param, ...], ...],
+    examples: tuple[str, ...],
+    refused: tuple[str, ...],
+    *,
+    labels: tuple[str, ...] | None = None,
+    bare: bool = False,
+    synonyms: tuple[str, ...] = (),
+) -> Operation:
+    return planned(name, doc, forms, examples, refused, family="solid", labels=labels, bare=bare,
+                   synonyms=synonyms)  # fmt: skip
+
+
+_DISTANCE = (Param("distance"),)
+_SLOPE = (Param("angle"), number("overhang"), number("ridge"))
+_HEIGHT_ALONG = (
+    Param("height"),
+    words("along", "normal", "x", "y", "z", "up", named=True, optional=True),
+)
+
+MAKING = (
+    _solid("extrude", "Raise a polygon into a solid: along its normal, an axis or the world's up.",
+           (_HEIGHT_ALONG,), ("extrude(9) Mass", "extrude(9, along: up) Mass"),
+           ("extrude", 'extrude("high")', "extrude(9, along: q)")),
+    _solid("taper", "Raise a polygon into a solid that draws in toward the top.",
+           ((Param("height"), Param("inset")), (Param("height"),)), ("taper(4, 0.5) Tower",),
+           ("taper",)),
+    _solid("roofGable", "Put a gable roof on a polygon: slope in degrees, overhang, ridge direction.",
+           (_SLOPE,), ("roofGable(35) comp { slope: Tiles | gable: Wall }",), ("roofGable",)),
+    _solid("roofHip", "Put a hip roof on a polygon.", (_SLOPE,),
+           ("roofHip(30, overhang: 0.4) Roof",), ("roofHip", 'roofHip("steep")')),
+    _solid("roofShed", "Put a roof of one slope on a polygon.", (_SLOPE,), ("roofShed(12) Roof",),
+           ("roofShed",)),
+    _solid("roofPyramid", "Put a pyramid of a height on a polygon.", ((Param("height"),),),
+           ("roofPyramid(4) Roof",), ("roofPyramid",)),
+    _solid("roofMansard", "Put a roof of two slopes on a polygon; the lower ends at a height.",
+           ((Param("lower"), Param("height"), Param("upper"), number("overhang")),),
+           ("roofMansard(70, 3, 25) Roof",), ("roofMansard(70)",)),
+    _solid("envelope", "Make the largest solid that building lines and slopes allow.",
+           ((Param("height"), number("front"), number("side"), number("back"), number("angle")),),
+           ("envelope(18, front: 3, angle: 60) Mass",), ("envelope",)),
+    _solid("cube", "Fill the scope with a box.", ((),), ("cube Crate",), ("cube(1)",)),
+    _solid("cylinder", "Fill the scope with a cylinder.", ((), (Param("sides", "int", above=2),)),
+           ("cylinder(24) Column",), ("cylinder(2)",)),
+    _solid("cone", "Fill the scope with a cone.", ((), (Param("sides", "int", above=2),)),
+           ("cone(12) Spire",), ('cone("a")',)),
+    _solid("sphere", "Fill the scope with a sphere.", ((), (Param("sides", "int", above=2),)),
+           ("sphere(16) Dome",), ('sphere("a")',)),
+    _solid("quad", "Fill the scope's xy plane with a rectangle.", ((),), ("quad Pane",),
+           ("quad(1)",)),
+    _solid("disk", "Fill the scope's xy plane with a disk.",
+           ((), (Param("sides", "int", above=2),)), ("disk(32) Clock",), ("disk(1)",)),
+    _solid("insert", "Put an asset into the scope.",
+           ((Param("asset", "asset"), words("fit", "scope", "inside", "none", named=True, optional=True),
+             Param("keepAspect", "bool", optional=True, named=True),
+             words("align", "corner", "bottom", "middle", "top", named=True, optional=True)),),
+           ("insert(win)", "insert(win, fit: inside, align: middle)"),
+           ("insert", "insert(3)", "insert(win, fit: q)"), synonyms=("i",)),
+)  # fmt: skip
+
+TAKING_APART = (
+    _solid("comp", "Take a solid apart: each part's label selects faces (edges, vertices), as "
+           "`side`, `top`, an index, a text tag, and `and`, `or`, `not` of them.",
+           ((), (words("of", "faces", "edges", "vertices"),)),
+           ("comp { side: Facade | top: Roof }", "comp(edges) { all: Gutter }",
+            'comp { front and not "street": Wall | 3: Door }'),
+           ("comp { sde: Facade }", "comp(3) { top: Roof }", "comp { Facade }", "comp"),
+           labels=_SIDES),
+    planned("split", "Cut the shape along an axis into pieces of absolute `4.4`, relative `'0.5` and "
+            "floating `~3` sizes; `{ … }*` repeats whole pieces, `{ … }+` a cut one too. `u` and `v` "
+            "cut along texture coordinates, `area` into pieces of given areas.",
+            ((), (number("snap", "string"),)),
+            ("split y { 4.4: Ground | { ~3.2: Floor }* | 0.6: Cornice }",
+             "split x { ~1: Wall | '0.25: Pier | ~1: Wall }"),
+            ("split q { 1: A }", 'split x { "big": A }', "split x { -2: A }", "split"),
+            family="split", axes=("x", "y", "z", "u", "v", "area")),
+    _solid("setback", "Cut a strip off along the edges; `shape` takes the rest, `border` the strips.",
+           ((Param("distance"), number("front"), number("side"), number("back"), number("area")),),
+           ("setback(2) { shape: Mass | border: Lawn }", "setback(2, front: 4) { shape: Mass }"),
+           ("setback { shape: Mass }", "setback(2) { middle: Mass }"), labels=(*_SIDES, *_ARMS)),
+    _solid("offset", "Move all edges of a polygon outward, or inward where negative.",
+           (_DISTANCE,), ("offset(-0.5) { inside: Bed | border: Path }", "offset(1) Plate"),
+           ("offset",), labels=(*_SIDES, *_ARMS), bare=True),
+    _solid("innerRect", "Cut the largest rectangle out of a polygon.", ((),),
+           ("innerRect { shape: Court | rest: Paving }", "innerRect Court"), ("innerRect(1)",),
+           labels=_ARMS, bare=True),
+    _solid("shapeL", "Cut an L from the scope's plane: widths of the front and left arms.",
+           ((Param("front"), Param("left")),), ("shapeL(8, 6) { shape: Mass | rest: Yard }",),
+           ("shapeL(8) { shape: Mass }",), labels=_ARMS),
+    _solid("shapeU", "Cut a U from the scope's plane: widths of its three arms.",
+           ((Param("front"), Param("left"), Param("right")),),
+           ("shapeU(8, 6, 6) { shape: Mass | rest: Yard }",), ("shapeU(8) { shape: Mass }",),
+           labels=_ARMS),
+    _solid("shapeO", "Cut a ring from the scope's plane: widths of its four arms.",
+           ((Param("front"), Param("left"), Param("right"), Param("back")),),
+           ("shapeO(8, 6, 6, 8) { shape: Mass | rest: Court }",), ("shapeO(8) { shape: Mass }",),
+           labels=_ARMS),
+    _solid("trim", "Cut the shape with the planes of its neighbours in a split or comp.", ((),),
+           ("trim Wall",), ("trim(1)",)),
+    _solid("union", "Join the solids of the parts into one.", ((),), ("union { Mass | Wing }",),
+           ("union(3) { Mass }",), labels=("",)),
+    _solid("subtract", "Take the solids of the later parts from the first.", ((),),
+           ("subtract { Mass | Passage }",), ("subtract(3) { Mass }",), labels=("",)),
+    _solid("intersect", "Keep what all parts share.", ((),), ("intersect { Mass | Dome }",),
+           ("intersect(3) { Mass }",), labels=("",)),
+    _solid("reverseNormals", "Turn all faces inside out.", ((),), ("reverseNormals Room",),
+           ("reverseNormals(1)",)),
+    _solid("convert", "Turn the geometry into its box, its outline or its faces' plane.",
+           ((words("to", "box", "outline", "plane"),),), ("convert(box) Mass",), ("convert(9)",)),
+    _solid("scatter", "Place points at random on the surface, in the volume or in the scope.",
+           ((Param("count", "int"), words("over", "surface", "volume", "scope", named=True,
+                                          optional=True)),),
+           ("scatter(20, over: surface) Tree",), ("scatter",)),
+    _solid("octant", "Take the eighth of the shape beyond the point (x, y, z): 1 to 8, counted x, y, z.",
+           ((Param("x"), Param("y"), Param("z"), Param("octant", "int")),),
+           ("octant(4, 0, 3, 7) Tower",), ("octant(4, 0, 3)",)),
+    _solid("subdivide", "Fill the box with nx by ny by nz equal cells.",
+           ((Param("nx", "int", above=0), Param("ny", "int", above=0), Param("nz", "int", above=0)),),
+           ("subdivide(3, 2, 1) Window",), ("subdivide(3)", "subdivide(0, 1, 1)")),
+)  # fmt: skip
+
+TABLE = MAKING + TAKING_APART
