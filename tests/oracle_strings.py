@@ -15,7 +15,7 @@ import numpy as np
 
 from ipmlang.runtime import keys
 
-# 2.0 | ("p", i) | ("add" | "mul" | "sub" | "lt" | "ge", a, b) | ("uniform", site) | ("index", number)
+# 2.0 | ("p", i) | ("uniform", site) | ("index", repeat) | ("add" | "mul" | "sub" | "lt" …, a, b)
 Expr = float | tuple
 # ("[",) | ("]",) | (name, *exprs) | ("repeat", number, count, body, holes)
 Element = tuple
@@ -77,8 +77,12 @@ def value(expr: Expr, params: list[float], key: tuple[int, int], copies: dict[in
 
 
 def successor(
-    body: list[Element], params: list[float], module: Module, sites: "list[int]",
-    copies: dict[int, int], silent: bool,
+    body: list[Element],
+    params: list[float],
+    module: Module,
+    sites: list[int],
+    copies: dict[int, int],
+    silent: bool,
 ) -> list[Module]:
     out: list[Module] = []
     start = sites[0]
@@ -90,7 +94,11 @@ def successor(
             for index in range(max(0, math.ceil(times - 1e-9))):
                 sites[0] = begin
                 out += successor(
-                    inner, params, module, sites, {**copies, number: index},
+                    inner,
+                    params,
+                    module,
+                    sites,
+                    {**copies, number: index},
                     silent or any(value(h, params, module.key, copies) == index for h in holes),
                 )
             sites[0] = begin + count_sites(inner)
@@ -106,9 +114,7 @@ def successor(
 
 
 def count_sites(body: list[Element]) -> int:
-    return sum(
-        count_sites(e[3]) if e[0] == "repeat" else 0 if e[0] in "[]" else 1 for e in body
-    )
+    return sum(count_sites(e[3]) if e[0] == "repeat" else 0 if e[0] in "[]" else 1 for e in body)
 
 
 def close_of(string: list[Module], at: int) -> int:
@@ -171,7 +177,9 @@ def matches_right(string: list[Module], at: int, names: list, system: System) ->
     return found
 
 
-def rewrite(string: list[Module], at: int, rules: list[Rule], system: System) -> list[Module] | None:
+def rewrite(
+    string: list[Module], at: int, rules: list[Rule], system: System
+) -> list[Module] | None:
     """The successor of one module, None when no rule applies."""
     module = string[at]
     held: list[tuple[Rule, list[float]]] = []
@@ -185,12 +193,17 @@ def rewrite(string: list[Module], at: int, rules: list[Rule], system: System) ->
             continue
         held.append((rule, params))
     u, total = keys.choice_single(*module.key), 0.0
-    weights = sum(value(r.chance[1], p, module.key, {}) for r, p in held if r.chance
-                  and r.chance[0] == "weight")
+    weights = sum(
+        value(r.chance[1], p, module.key, {})
+        for r, p in held
+        if r.chance and r.chance[0] == "weight"
+    )
     for rule, params in held:
         if rule.chance:
             amount = value(rule.chance[1], params, module.key, {})
-            total += amount / 100 if rule.chance[0] == "percent" else amount / weights if weights else 0
+            total += (
+                amount / 100 if rule.chance[0] == "percent" else amount / weights if weights else 0
+            )
             if u >= total:
                 continue
         return successor(rule.body, params, module, [0], {}, module.silent)
@@ -254,20 +267,29 @@ class State:
     pens: dict[str, float]
     layer: float = 0.0
 
-    def copy(self) -> "State":
+    def copy(self) -> State:
         return State(self.position.copy(), self.axes.copy(), dict(self.pens), self.layer)
 
 
 def about(axis: str, degrees: float) -> np.ndarray:
     c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
-    return np.array({
-        "x": [[1, 0, 0], [0, c, -s], [0, s, c]],
-        "y": [[c, 0, s], [0, 1, 0], [-s, 0, c]],
-        "z": [[c, -s, 0], [s, c, 0], [0, 0, 1]],
-    }[axis])
+    return np.array(
+        {
+            "x": [[1, 0, 0], [0, c, -s], [0, s, c]],
+            "y": [[c, 0, s], [0, 1, 0], [-s, 0, c]],
+            "z": [[c, -s, 0], [s, c, 0], [0, 0, 1]],
+        }[axis]
+    )
 
 
-TURNS = {"+": ("z", 1), "-": ("z", -1), "&": ("y", 1), "^": ("y", -1), "\\": ("x", -1), "/": ("x", 1)}
+TURNS = {
+    "+": ("z", 1),
+    "-": ("z", -1),
+    "&": ("y", 1),
+    "^": ("y", -1),
+    "\\": ("x", -1),
+    "/": ("x", 1),
+}
 
 
 def walk(system: System, string: list[Module], upright: bool = False) -> tuple[list, list]:
@@ -296,8 +318,17 @@ def walk(system: System, string: list[Module], upright: bool = False) -> tuple[l
             if open_polygons:
                 open_polygons[-1] += [begin, state.position.copy()]
             elif name == "F" and not module.silent:
-                rows.append(("F", begin, state.axes.copy(), args[0], dict(state.pens), state.layer,
-                             module.key))
+                rows.append(
+                    (
+                        "F",
+                        begin,
+                        state.axes.copy(),
+                        args[0],
+                        dict(state.pens),
+                        state.layer,
+                        module.key,
+                    )
+                )
             if name == "F" and system.tropism is not None:
                 bend(state, system.tropism)
         elif name == "at":
@@ -319,18 +350,30 @@ def walk(system: System, string: list[Module], upright: bool = False) -> tuple[l
             open_polygons.append([])
         elif name == "}":
             points = open_polygons.pop()
-            kept = [p for i, p in enumerate(points) if i == 0 or abs(p - points[i - 1]).max() > 1e-9]
+            kept = [
+                p for i, p in enumerate(points) if i == 0 or abs(p - points[i - 1]).max() > 1e-9
+            ]
             if len(kept) > 1 and abs(kept[0] - kept[-1]).max() < 1e-9:
                 kept.pop()
             if len(kept) >= 3 and not module.silent:
                 polygons.append(kept)
-                rows.append(("}", np.zeros(3), np.eye(3), 0.0, dict(state.pens), state.layer,
-                             module.key))
+                rows.append(
+                    ("}", np.zeros(3), np.eye(3), 0.0, dict(state.pens), state.layer, module.key)
+                )
         elif name == "vertex" and open_polygons:
             open_polygons[-1].append(state.position.copy())
         elif name == "asset" and not module.silent:
-            rows.append(("asset", state.position.copy(), state.axes.copy(), 0.0, dict(state.pens),
-                         state.layer, module.key))
+            rows.append(
+                (
+                    "asset",
+                    state.position.copy(),
+                    state.axes.copy(),
+                    0.0,
+                    dict(state.pens),
+                    state.layer,
+                    module.key,
+                )
+            )
     return rows, polygons
 
 

@@ -26,7 +26,8 @@ NOWHERE = Span(0, 0)
 @dataclass(frozen=True, slots=True)
 class Comment:
     """One `//` comment: its text after the slashes, its place, whether code stands before it on its
-    line, and whether an empty line stands above it."""
+    line, and whether an empty line stands above it.
+    """
 
     text: str
     span: Span = field(default=NOWHERE, compare=False)
@@ -64,7 +65,7 @@ class Truth:
 
 @dataclass(frozen=True, slots=True)
 class Name:
-    """A parameter, attribute, constant, column or context: `w`, `roofs.pitch`, `r.x`, `split.index`."""
+    """A parameter, attribute, constant, column or context: `w`, `roofs.pitch`, `r.x`."""
 
     id: str
     span: Span = field(default=NOWHERE, compare=False)
@@ -88,9 +89,7 @@ class Unary:
     span: Span = field(default=NOWHERE, compare=False)
 
 
-BinaryOp: TypeAlias = Literal[
-    "+", "-", "*", "/", "<", "<=", ">", ">=", "==", "!=", "and", "or"
-]
+BinaryOp: TypeAlias = Literal["+", "-", "*", "/", "<", "<=", ">", ">=", "==", "!=", "and", "or"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,10 +137,10 @@ class Argument:
 
 @dataclass(frozen=True, slots=True)
 class Module:
-    """A shape or an operation without braces: `Window(2)`, `f(64)`, `+(17)`, `extrude(9)`.
+    r"""A shape or an operation without braces: `Window(2)`, `f(64)`, `+(17)`, `extrude(9)`.
 
     Whether `name` is an operation or a symbol is the checker's to say (a head may bear an
-    operation's name). Turtle marks are names too: `+ - * & ^ \\ / $ !`.
+    operation's name). Turtle marks are names too: `+ - * & ^ \ / $ !`.
     """
 
     name: str
@@ -269,7 +268,8 @@ class Each:
 @dataclass(frozen=True, slots=True)
 class Assign:
     """`set name = value`: holds for the descendants of this body. The value is the longest
-    expression that follows; `set (name = value)` ends it before a turtle mark."""
+    expression that follows; `set (name = value)` ends it before a turtle mark.
+    """
 
     name: str
     value: Expr
@@ -424,7 +424,8 @@ class Surface:
 @dataclass(frozen=True, slots=True)
 class Field:
     """`context mask = "mask.png"`, `context wind : vector = "wind.png"`; kind is texture, scalar
-    or vector."""
+    or vector.
+    """
 
     name: str
     reference: str
@@ -539,7 +540,8 @@ class Ignore:
 @dataclass(frozen=True, slots=True)
 class Canvas:
     """`canvas (0, 0, 640, 480) width "10in" height "7.5in"`: lower left corner and size of a
-    drawing, y up; the numbers are those of the SVG viewBox, which is flipped about its middle."""
+    drawing, y up; the numbers are those of the SVG viewBox, which is flipped about its middle.
+    """
 
     box: tuple[Expr, ...]
     width: str | None = None

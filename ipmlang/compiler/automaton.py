@@ -3,7 +3,7 @@
 An LALR(1) automaton with one pattern as its lexer: a word is a keyword only where the state can
 take it there. Nodes are built as productions complete, chains of single-member productions are
 gone through in one look-up, and the time is linear in the text. It knows nothing of the language
-but its tables and the functions it is given; trouble leaves it as `Refused`, never as recursion.
+but its tables and the functions it is given; trouble leaves it as an error, never as recursion.
 """
 
 from __future__ import annotations
@@ -37,7 +37,8 @@ class Token:
 class Automaton:
     """The tables. `actions[state]` maps a terminal's number to the state to go to (0 accepts) or to
     -1 - production; `productions` are (rule, length, builder), without builder when the single
-    member is handed on; `chains` remembers what single-member productions lead to."""
+    member is handed on; `chains` remembers what single-member productions lead to.
+    """
 
     terminals: tuple[str, ...]
     scan: re.Pattern[str]
@@ -49,7 +50,7 @@ class Automaton:
 
 
 @dataclass(slots=True)
-class Refused(Exception):
+class RefusedError(Exception):
     """The item ends here: `token` cannot stand after what was read.
 
     `expected` are the terminals that could, `before` the tokens up to it, last one first.
@@ -61,7 +62,7 @@ class Refused(Exception):
 
 
 @dataclass(slots=True)
-class TooDeep(Exception):
+class TooDeepError(Exception):
     """The item nests deeper than the stack of the automaton is allowed to grow."""
 
     start: int
@@ -110,7 +111,7 @@ def run(machine: Automaton, text: str, comments: list[tuple[int, int]]) -> objec
             if action is None:
                 action = row.get(name) if value in keywords else None
                 if action is None:
-                    raise refusal(machine, states, match, text)
+                    raise _refusal(machine, match, text)
             if action > 0:
                 states.append(action)
                 values.append(value)
@@ -139,7 +140,7 @@ def run(machine: Automaton, text: str, comments: list[tuple[int, int]]) -> objec
             states.append(state)
             row = actions[state]
         if len(states) > MAX_STACK:
-            raise TooDeep(start, end)
+            raise TooDeepError(start, end)
     raise AssertionError("the pattern matches the end of every text")
 
 
@@ -158,27 +159,44 @@ def _chain(machine: Automaton, below: int, rule: str, kind: int) -> int:
         rule = machine.productions[-1 - action][0]
 
 
-def refusal(machine: Automaton, states: list[int], match: re.Match[str], text: str) -> Refused:
+def _refusal(machine: Automaton, match: re.Match[str], text: str) -> RefusedError:
     """The error at the token of `match`, with all that could stand in its place."""
-    expected = frozenset(
-        terminal
-        for kind, terminal in enumerate(machine.terminals)
-        if kind in machine.actions[states[-1]] and _accepts(machine, states, kind)
-    )
     number = match.lastindex or 0
     before = tokens(machine, text[: match.start(number)])
     terminal = machine.terminals[machine.keywords.get(match[number], number)]
     token = Token(terminal, match[number], *match.span(number))
-    return Refused(token, expected, tuple(reversed(before)))
+    states = _states_after(machine, before)
+    expected = frozenset(
+        terminal
+        for kind, terminal in enumerate(machine.terminals)
+        if kind in machine.actions[states[-1]] and _after(machine, states, kind) is not None
+    )
+    return RefusedError(token, expected, tuple(reversed(before)))
 
 
-def _accepts(machine: Automaton, states: list[int], kind: int) -> bool:
-    """Whether the terminal can be taken in: reductions in a merged state may promise too much."""
+def _states_after(machine: Automaton, before: list[Token]) -> list[int]:
+    """The states when the last token was taken in, and nothing was reduced for the next one: a
+    token that is refused may have led to reductions that others would not.
+    """
+    states = [0]
+    for token in before:
+        kind = machine.terminals.index(token.terminal)
+        after = _after(machine, states, kind)
+        states = after or _after(machine, states, machine.terminals.index("NAME")) or states
+    return states
+
+
+def _after(machine: Automaton, states: list[int], kind: int) -> list[int] | None:
+    """The states when a terminal was taken in, or None: reductions in a merged state may promise
+    too much.
+    """
     stack = list(states)
     while True:
         action = machine.actions[stack[-1]].get(kind)
-        if action is None or action >= 0:
-            return action is not None
+        if action is None:
+            return None
+        if action >= 0:
+            return [*stack, action]
         rule, length, _ = machine.productions[-1 - action]
         if length:
             del stack[-length:]

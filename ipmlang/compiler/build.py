@@ -1,33 +1,19 @@
-"""Makes the nodes of the syntax tree: one function per alias of `grammar.lark`, by the same name.
+"""Makes the nodes of rules and their successors: one function per alias of `grammar.lark`.
 
 Each takes the members of a production and its range in the item, and gives back a node, or a list
-that is still growing. What the grammar cannot say (`box` has two or three numbers, a table's rows are as
-long as its head) is said here, as `Unbuildable`. Nothing here looks at names or types.
+that is still growing. Expressions and declarations have files of their own; `builders` gathers all.
+Nothing here looks at names or types.
 """
 
 from __future__ import annotations
 
-import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.ast import Span
 from ipmlang.compiler.automaton import Builder, Members
-
-
-@dataclass(slots=True)
-class Unbuildable(Exception):
-    """A sentence that the grammar takes and the language does not."""
-
-    code: str
-    message: str
-    start: int
-    end: int
-    hint: str | None = None
-
-
-INFINITE = (float("inf"), float("-inf"))
+from ipmlang.compiler.build_expressions import UnbuildableError, unquote
 
 
 def build_list_empty(members: Members, start: int, end: int) -> list[Any]:
@@ -72,106 +58,6 @@ def build_option_sites(members: Members, start: int, end: int) -> tuple[str, obj
 
 def build_option_values(members: Members, start: int, end: int) -> tuple[str, object, int, int]:
     return members[0], tuple(members[1]), start, end
-
-
-# ---------------------------------------------------------------- expressions
-
-
-def build_number(members: Members, start: int, end: int) -> ast.Number:
-    text = members[0]
-    value = float(text)
-    if value in INFINITE:
-        raise _too_large(text, start, end)
-    return ast.Number(value, text, Span(start, end))
-
-
-def _too_large(text: str, start: int, end: int) -> Unbuildable:
-    return Unbuildable("bad-number", f"`{text}` is larger than a number can be", start, end)
-
-
-def build_negative(members: Members, start: int, end: int) -> ast.Number:
-    number = build_number(members[1:], start, end)
-    return ast.Number(-number.value, "-" + number.text, Span(start, end))
-
-
-def build_text(members: Members, start: int, end: int) -> ast.Text:
-    return ast.Text(unquote(members[0], start), Span(start, end))
-
-
-def build_truth(members: Members, start: int, end: int) -> ast.Truth:
-    return ast.Truth(members[0] == "true", Span(start, end))
-
-
-def build_name(members: Members, start: int, end: int) -> ast.Name:
-    return ast.Name(members[0], Span(start, end))
-
-
-def build_call(members: Members, start: int, end: int) -> ast.Call:
-    return ast.Call(members[0], tuple(members[1]), Span(start, end))
-
-
-def build_unary(members: Members, start: int, end: int) -> ast.Number | ast.Unary:
-    """A minus before a literal without one makes a negative literal."""
-    op, value = members
-    if op == "-" and type(value) is ast.Number and not value.text.startswith("-"):
-        return ast.Number(-value.value, "-" + value.text, Span(start, end))
-    return ast.Unary(op, value, Span(start, end))
-
-
-def build_binary(members: Members, start: int, end: int) -> ast.Binary:
-    return ast.Binary(members[1], members[0], members[2], Span(start, end))
-
-
-def build_if(members: Members, start: int, end: int) -> ast.If:
-    return ast.If(members[1], members[3], members[5], Span(start, end))
-
-
-def build_tuple_empty(members: Members, start: int, end: int) -> ast.Tuple:
-    return ast.Tuple((), Span(start, end))
-
-
-def build_tuple_single(members: Members, start: int, end: int) -> ast.Tuple:
-    return ast.Tuple((members[1],), Span(start, end))
-
-
-def build_tuple_many(members: Members, start: int, end: int) -> ast.Tuple:
-    return ast.Tuple((members[1], *members[3]), Span(start, end))
-
-
-_LITERAL = re.compile(r"-?[0-9][0-9.eE+-]*")
-
-
-def build_literals_list(members: Members, start: int, end: int) -> list[ast.Number]:
-    """The numbers of a token `(1, -2.5)`."""
-    found = []
-    for match in _LITERAL.finditer(members[0]):
-        text = match[0]
-        begin = start + match.start()
-        finish = begin + len(text)
-        value = float(text)
-        if value in INFINITE:
-            raise _too_large(text, begin, finish)
-        found.append(ast.Number(value, text, Span(begin, finish)))
-    return found
-
-
-def build_literals_arguments(members: Members, start: int, end: int) -> list[ast.Argument]:
-    numbers = build_literals_list(members, start, end)
-    return [ast.Argument(number, None, number.span) for number in numbers]
-
-
-def build_literals(members: Members, start: int, end: int) -> ast.Number | ast.Tuple:
-    """One number in brackets is that number, several are a tuple."""
-    numbers = build_literals_list(members, start, end)
-    return numbers[0] if len(numbers) == 1 else ast.Tuple(tuple(numbers), Span(start, end))
-
-
-def build_argument(members: Members, start: int, end: int) -> ast.Argument:
-    return ast.Argument(members[0], None, Span(start, end))
-
-
-def build_argument_named(members: Members, start: int, end: int) -> ast.Argument:
-    return ast.Argument(members[2], members[0], Span(start, end))
 
 
 # ------------------------------------------------------- elements of a successor
@@ -383,32 +269,7 @@ def build_rule_docs_interpret(members: Members, start: int, end: int) -> ast.Rul
     return replace(rule, interpret=True, doc=members[0], span=Span(start, end))
 
 
-# --------------------------------------------------------------- texts and options
-
-
-ESCAPES = {"n": "\n", "t": "\t", "r": "\r", '"': '"', "\\": "\\"}
-_ESCAPE = re.compile(r"\\(?:u([0-9a-fA-F]{4})|(.))", re.DOTALL)
-
-
-def unquote(literal: str, start: int) -> str:
-    """The value of a string literal that stands at `start`."""
-    if "\\" not in literal:
-        return literal[1:-1]
-
-    def resolve(match: re.Match[str]) -> str:
-        if match[1]:
-            return chr(int(match[1], 16))
-        if match[2] not in ESCAPES:
-            raise Unbuildable(
-                "bad-escape",
-                f"`\\{match[2]}` means nothing in a string",
-                start + match.start(),
-                start + match.end(),
-                'known are `\\\\`, `\\"`, `\\n`, `\\r`, `\\t` and `\\u0041`; paths are written with `/`',
-            )
-        return ESCAPES[match[2]]
-
-    return _ESCAPE.sub(resolve, literal[:-1])[1:]
+# ------------------------------------------------------------------------ options
 
 
 def once(options: list[tuple[str, Any, int, int]]) -> dict[str, Any]:
@@ -416,18 +277,18 @@ def once(options: list[tuple[str, Any, int, int]]) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for word, value, start, end in options:
         if word in found:
-            raise Unbuildable("repeated-word", f"`{word}` stands here twice", start, end)
+            raise UnbuildableError("repeated-word", f"`{word}` stands here twice", start, end)
         found[word] = value
     return found
 
 
 def builders() -> dict[str, Builder]:
     """All functions that build, by the aliases of the grammar."""
-    from ipmlang.compiler import build_declarations
+    from ipmlang.compiler import build_declarations, build_expressions
 
     return {
         name.removeprefix("build_"): function
-        for file in (globals(), vars(build_declarations))
+        for file in (globals(), vars(build_expressions), vars(build_declarations))
         for name, function in file.items()
         if name.startswith("build_") and callable(function)
     }

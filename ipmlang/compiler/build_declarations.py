@@ -6,15 +6,14 @@ are checked here, where their places are still known.
 
 from __future__ import annotations
 
-
 from ipmlang.compiler import ast
 from ipmlang.compiler.ast import Span
 from ipmlang.compiler.automaton import Members
-from ipmlang.compiler.build import Unbuildable, build_literals_list, once, unquote
+from ipmlang.compiler.build import once
+from ipmlang.compiler.build_expressions import UnbuildableError, build_literals_list, unquote
 from ipmlang.compiler.diagnostics import nearest
 
 FIELD_KINDS = ("texture", "scalar", "vector")
-START_WORDS = ("steps", "seeds", "direction", "avoiding", "retries", "choices")
 
 
 def build_version(members: Members, start: int, end: int) -> ast.Version:
@@ -31,7 +30,7 @@ def build_import_as(members: Members, start: int, end: int) -> ast.Import:
 
 def build_asset_reference(members: Members, start: int, end: int) -> ast.Asset:
     if len(members[1]) > 1:
-        raise Unbuildable(
+        raise UnbuildableError(
             "several-names",
             "one reference cannot be the shape of several assets",
             start,
@@ -66,7 +65,7 @@ def build_table_inline(members: Members, start: int, end: int) -> ast.Table:
     columns, rows = tuple(members[3]), members[6]
     for values, row_start, row_end in rows:
         if len(values) != len(columns):
-            raise Unbuildable(
+            raise UnbuildableError(
                 "uneven-row",
                 f"this row has {len(values)} values, the table {len(columns)} columns",
                 row_start,
@@ -88,7 +87,10 @@ def build_surface_plain(members: Members, start: int, end: int) -> ast.Surface:
 
 def build_surface_atlas(members: Members, start: int, end: int) -> ast.Surface:
     return ast.Surface(
-        members[1], unquote(members[3], start), _whole(members[5], start, end), span=Span(start, end)
+        members[1],
+        unquote(members[3], start),
+        _whole(members[5], start, end),
+        span=Span(start, end),
     )
 
 
@@ -185,7 +187,7 @@ def build_canvas(members: Members, start: int, end: int) -> ast.Canvas:
         _known(word, ("width", "height"), "measure of a canvas", begin, finish)
     sizes = once(members[2])
     if len(members[1]) != 4:
-        raise Unbuildable(
+        raise UnbuildableError(
             "wrong-count", "a canvas has four numbers: left, bottom, width, height", start, end
         )
     return ast.Canvas(
@@ -215,7 +217,9 @@ def build_site_radius(members: Members, start: int, end: int) -> ast.Site:
 
 def build_place_box(members: Members, start: int, end: int) -> ast.Place:
     if len(members[1]) not in (2, 3):
-        raise Unbuildable("wrong-count", "a box has two or three sizes: x, y and z", start, end)
+        raise UnbuildableError(
+            "wrong-count", "a box has two or three sizes: x, y and z", start, end
+        )
     return ast.Place("box", tuple(members[1]), None, Span(start, end))
 
 
@@ -236,9 +240,14 @@ def build_start(members: Members, start: int, end: int) -> ast.Start:
     return ast.Start(
         axiom=tuple(members[1]),
         place=options.get("on"),
+        steps=options.get("steps"),
+        seeds=options.get("seeds"),
+        direction=options.get("direction"),
         sites=options.get("with", ()),
+        avoiding=options.get("avoiding"),
+        retries=options.get("retries"),
+        choices=options.get("choices"),
         span=Span(start, end),
-        **{word: options.get(word) for word in START_WORDS},
     )
 
 
@@ -252,7 +261,7 @@ def _settings(settings: list[ast.Setting]) -> tuple[ast.Setting, ...]:
 
 def _whole(text: str, start: int, end: int) -> int:
     if not text.isdigit() or len(text) > 9:
-        raise Unbuildable("bad-number", f"`{text}` is not a whole number", start, end)
+        raise UnbuildableError("bad-number", f"`{text}` is not a whole number", start, end)
     return int(text)
 
 
@@ -260,4 +269,4 @@ def _known(word: str, words: tuple[str, ...], what: str, start: int, end: int) -
     if word not in words:
         close = nearest(word, words)
         hint = f"did you mean `{close[0]}`?" if close else f"known are {', '.join(words)}"
-        raise Unbuildable("unknown-word", f"`{word}` is no {what}", start, end, hint)
+        raise UnbuildableError("unknown-word", f"`{word}` is no {what}", start, end, hint)

@@ -1,82 +1,66 @@
-"""What checking gives to lowering: one flat list of items whose names mean the same everywhere.
+"""What checking gives: the loaded files, what their names stand for, and all that is wrong.
 
-Every file of the grammar (the main one and what it imports, directly or not) is here once. Names of
-an imported file are qualified by the shortest way to it: `Hip` of `import "std/roofs"` is
-`roofs.Hip`, in heads, bodies and expressions alike; parameters and the variables of repeats stay as
-they are. Plain data: nothing here looks anything up or reads a file.
+Names of an imported file are qualified by the shortest way to it: `Hip` of `import "std/roofs"` is
+`roofs.Hip`. Plain data: nothing here looks anything up or reads a file.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import Diagnostic, Source
-from ipmlang.compiler.ir import AssetFile
+from ipmlang.compiler.load import Loaded
 from ipmlang.compiler.ops.record import ValueType
 
-NameKind: TypeAlias = Literal[
-    "attr", "const", "function", "asset", "table", "surface", "context", "site"
+ValueKind: TypeAlias = Literal[
+    "attribute", "constant", "function", "asset", "table", "surface", "context", "site", "broken"
 ]
-SymbolKind: TypeAlias = Literal["rule", "asset", "site", "operation", "terminal"]
+SymbolKind: TypeAlias = Literal["rule", "asset", "site", "broken", "terminal"]
 
 
 @dataclass(frozen=True, slots=True)
-class Unit:
-    """One item with qualified names. `offset` is where it starts in `source`, `prefix` is `""` in the
-    main file and `roofs.` in an imported one, `index` its place in its own file's items."""
+class ValueEntry:
+    """What a top-level name stands for in expressions. `type` is that of its value, or of a
+    function's result; `parameters` are a function's, `takes` their types; `columns` a table's, None where unknown;
+    `exact`: it may feed a guard; `item` indexes its file's items. Of a broken one only the name is
+    known: its item or its import could not be read."""
 
-    item: ast.Item
-    source: Source
-    offset: int
-    prefix: str
-    index: int
-
-
-@dataclass(frozen=True, slots=True)
-class Definition:
-    """What a top-level name stands for; `unit` indexes Checked.units. `type` is that of its value
-    (of its result, for a function of `arity` parameters)."""
-
-    name: str
-    kind: NameKind
-    unit: int
+    kind: ValueKind
     type: ValueType = "any"
-    arity: int = 0
+    parameters: tuple[str, ...] = ()
+    columns: tuple[str, ...] | None = None
+    takes: tuple[ValueType, ...] = ()
+    exact: bool = True
+    item: int = field(default=-1, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class SymbolEntry:
+    """What a name stands for in a successor: the arities of its rules (of `interpret` rules, in
+    `interpreted`), or an asset or site."""
+
+    kind: Literal["rule", "asset", "site", "broken"]
+    arities: frozenset[int] = frozenset()
+    interpreted: frozenset[int] = frozenset()
 
 
 @dataclass(frozen=True, slots=True)
 class SymbolUse:
-    """A symbol, that is a name with an arity, that some head, body or axiom mentions.
-
-    `rules` and `interpretations` index Checked.units, in source order. A rule's name may be an
-    operation's too: while rules apply it is rewritten, and what is left over has the operation's
-    meaning. `kind` is what it is first of all: a rule, else an operation, an asset, a site, else a
-    terminal.
-    """
+    """A symbol, that is a name with an arity, that some head, body or axiom mentions. A rule's name
+    may be an operation's too: while rules apply it is rewritten, what is left has its meaning."""
 
     name: str
     arity: int
     kind: SymbolKind
-    rules: tuple[int, ...] = ()
-    interpretations: tuple[int, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class TableContent:
-    """Rows of a table: numbers and texts. `rows` is empty where the table's file was not read
-    because it is missing (a diagnostic says so)."""
-
-    name: str
-    columns: tuple[str, ...]
-    rows: tuple[tuple[float | str, ...], ...]
 
 
 @dataclass(frozen=True, slots=True)
 class NotReady:
-    """An operation or query that parses and checks, but that no executor runs yet."""
+    """An operation or query that parses and checks, but that no executor runs yet; offsets are in
+    the whole source."""
 
     name: str
     source: Source
@@ -84,25 +68,23 @@ class NotReady:
     end: int
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Checked:
-    """A whole grammar.
+    """A whole grammar. `values` and `symbols` are keyed by qualified name; `diagnostics` are of all
+    files, the main one first, in the order of the text; `not_ready` is what `run` refuses."""
 
-    `grammar`, `source`: the main file as written. `units`: items of all files that apply: all of the
-    main file, then of each import its assets, tables, surfaces, contexts, attrs, consts, functions,
-    sites, rules and `turtle` settings (which hold for that file's own rules; look for `prefix`).
-    `names`: top-level values by qualified name. `symbols` by name and arity. `assets` and `effects`
-    give the file and node of each asset name and of each `effect("file#id")` text. `not_ready`: what
-    `run` must refuse. `diagnostics`: of all files, errors and warnings, in the order of the text.
-    """
-
-    grammar: ast.Grammar
-    source: Source
-    units: tuple[Unit, ...]
-    names: Mapping[str, Definition]
+    loaded: Loaded
+    values: Mapping[str, ValueEntry]
     symbols: Mapping[tuple[str, int], SymbolUse]
-    assets: Mapping[str, AssetFile]
-    effects: Mapping[str, AssetFile]
-    tables: Mapping[str, TableContent]
     not_ready: tuple[NotReady, ...] = ()
     diagnostics: tuple[Diagnostic, ...] = ()
+
+    @property
+    def grammar(self) -> ast.Grammar:
+        """The main file's tree, as written."""
+        return self.loaded.main.grammar
+
+    @property
+    def source(self) -> Source:
+        """The main file's text."""
+        return self.loaded.main.source

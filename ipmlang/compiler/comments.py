@@ -1,9 +1,9 @@
 """Gives the comments of an item to the nodes they speak of.
 
-A comment on a line of its own goes to the next element, part or item that starts below it; one behind
-code goes to the last that ends before it; one in front of a closing bracket stays behind what it
-follows. In come an item fresh from the parser and the ranges of its comments, out goes the same item
-with every comment in it.
+A comment on a line of its own goes to the next element, part or item that starts below it; one
+behind code goes to the last that ends before it; one in front of a closing bracket stays behind
+what it follows. In come an item fresh from the parser and the ranges of its comments, out goes the
+same item with every comment in it.
 """
 
 from __future__ import annotations
@@ -49,7 +49,8 @@ def _read(text: str, start: int, end: int) -> ast.Comment:
 
 def _blank_above(text: str, place: int) -> bool:
     """Whether an empty line stands above the line of `place`. What is left of the line on which
-    the text begins belongs to the item before it, and does not count."""
+    the text begins belongs to the item before it, and does not count.
+    """
     line = text.rfind("\n", 0, place)
     above = text.rfind("\n", 0, line) if line > 0 else -1
     return above >= 0 and not text[above:line].strip()
@@ -95,41 +96,46 @@ def _bearers(node: Anchor) -> Iterator[Anchor]:
 
 
 def _attach_inner(item: ast.Item, text: str, comments: list[ast.Comment]) -> None:
+    """Gives comments to the nodes of an item that nobody has seen yet, which alone is why they may
+    be changed.
+    """
     anchors = _anchors(item)
-    for each in comments:
-        owner, trailing = _owner(anchors, text, each)
-        _add(owner or item, replace(each, trailing=trailing))
+    closes = _before_closing(text, comments)
+    owned: dict[int, tuple[Anchor, list[ast.Comment]]] = {}
+    for each, closing in zip(comments, closes, strict=True):
+        owner, trailing = _owner(anchors, text, each, closing)
+        node = owner or item
+        owned.setdefault(id(node), (node, []))[1].append(replace(each, trailing=trailing))
+    for node, found in owned.values():
+        object.__setattr__(node, "comments", (*node.comments, *found))
 
 
-def _owner(anchors: _Anchors, text: str, each: ast.Comment) -> tuple[Anchor | None, bool]:
+def _owner(
+    anchors: _Anchors, text: str, each: ast.Comment, closing: bool
+) -> tuple[Anchor | None, bool]:
     """The node a comment belongs to, and whether it stands behind that node."""
     after = bisect_left(anchors.starts, each.span.end)
     before = bisect_right(anchors.ends, each.span.start)
     following = anchors.opening[after] if after < len(anchors.opening) else None
     preceding = anchors.closing[before - 1] if before else None
     if preceding is not None:
-        between = text[preceding.span.end : each.span.start]
-        follows = each.trailing and not between.strip(" \t\r\n|,")
-        if follows or following is None or _closes(text, each.span.end):
+        near = each.trailing and each.span.start - preceding.span.end < 1000
+        follows = near and not text[preceding.span.end : each.span.start].strip(" \t\r\n|,")
+        if follows or following is None or closing:
             return preceding, True
     return following, False
 
 
-def _closes(text: str, place: int) -> bool:
-    """Whether the first code after `place` is a closing bracket."""
-    while True:
-        line_end = text.find("\n", place)
-        if line_end < 0:
-            return False
-        place = line_end + 1
-        code = text[place : place + 1] and text[place:].split("\n", 1)[0].strip()
-        if code and not code.startswith("//"):
-            return code[0] in ")]}"
-
-
-def _add(node: Anchor, each: ast.Comment) -> None:
-    """Puts a comment on a node that nobody has seen yet, which alone is why it may be changed."""
-    object.__setattr__(node, "comments", (*node.comments, each))
+def _before_closing(text: str, comments: list[ast.Comment]) -> list[bool]:
+    """For each comment whether the first code after it is a closing bracket."""
+    flags = []
+    flag, limit = False, len(text)
+    for each in reversed(comments):
+        code = text[each.span.end : limit].lstrip()[:1]
+        flag = code in ")]}" if code else flag
+        flags.append(flag)
+        limit = each.span.start
+    return flags[::-1]
 
 
 def _attach_rows(table: ast.Table, text: str, comments: list[ast.Comment]) -> ast.Table:
@@ -139,9 +145,9 @@ def _attach_rows(table: ast.Table, text: str, comments: list[ast.Comment]) -> as
     placed = []
     for each in comments:
         before = bisect_right(ends, each.span.start) - 1
-        after = bisect_left(starts, each.span.end)
-        if before >= 0 and (each.trailing or after == len(starts)):
-            placed.append((before, replace(each, trailing=True)))
+        if each.trailing and before >= 0:
+            placed.append((before, each))
         else:
-            placed.append((after, replace(each, trailing=False)))
+            row = min(bisect_left(starts, each.span.end), len(starts) - 1)
+            placed.append((row, replace(each, trailing=False)))
     return replace(table, row_comments=tuple(placed))

@@ -1,7 +1,7 @@
 """Refuses trees that are too deep for those who walk them by recursion.
 
-Nesting is bounded while an item is read; a long chain of operators (`a + a + …`) is not nested in the
-text and still makes a deep tree. The walk here keeps its own stack.
+Nesting is bounded while an item is read; a long chain of operators (`a + a + …`) is not nested in
+the text and still makes a deep tree. The walk here keeps its own stack.
 """
 
 from __future__ import annotations

@@ -8,10 +8,11 @@ arrows below each other, and an empty line stays where the author had one.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import groupby
 from typing import assert_never
 
 from ipmlang.compiler import ast
-from ipmlang.compiler.layout import INDENT, WIDTH, Page, comment_text, fill, flat_body
+from ipmlang.compiler.layout import INDENT, WIDTH, Page, comment_text, fill, flat, flat_body
 from ipmlang.compiler.spelling import (
     bound_words,
     clause_text,
@@ -25,7 +26,7 @@ from ipmlang.compiler.spelling import (
     row_words,
 )
 
-__all__ = ["format_element", "format_expression", "format_grammar", "format_item"]
+__all__ = ["format_expression", "format_grammar"]
 
 # A head or a column wider than this is not what others are aligned to.
 ALIGNED = 32
@@ -40,26 +41,14 @@ def format_grammar(grammar: ast.Grammar) -> str:
     A --> [B] B
     """
     lines: list[str] = []
+    behind: dict[int, str] = {}
     _comments(lines, grammar.header)
     for run in _runs(grammar.items):
         for item, text in zip(run, _run_texts(run), strict=True):
-            _item(lines, item, text)
+            _item(lines, behind, item, text)
     _comments(lines, grammar.trailer)
+    _add_behind(lines, behind)
     return "\n".join(lines) + "\n" if lines else ""
-
-
-def format_item(item: ast.Item) -> str:
-    """The text of one item with its comments, without a newline at its end."""
-    lines: list[str] = []
-    _item(lines, item, _item_lines(item, ""))
-    return "\n".join(lines)
-
-
-def format_element(element: ast.Element) -> str:
-    """The text of one element of a successor, without its own comments."""
-    page = Page()
-    fill(page, (element,), 0)
-    return "\n".join(page.finish())
 
 
 def _comments(lines: list[str], comments: Sequence[ast.Comment]) -> None:
@@ -69,8 +58,8 @@ def _comments(lines: list[str], comments: Sequence[ast.Comment]) -> None:
         lines.append(comment_text(comment))
 
 
-def _item(lines: list[str], item: ast.Item, text: list[str]) -> None:
-    """Adds an item: comments above it, its lines, one comment behind it."""
+def _item(lines: list[str], behind: dict[int, str], item: ast.Item, text: list[str]) -> None:
+    """Adds an item: comments above it, its lines; one comment goes behind the last of them."""
     trailing = [comment for comment in item.comments if comment.trailing]
     leading = [comment for comment in item.comments if not comment.trailing]
     _comments(lines, leading + trailing[:-1])
@@ -78,7 +67,16 @@ def _item(lines: list[str], item: ast.Item, text: list[str]) -> None:
         lines.append("")
     lines += text
     for comment in trailing[-1:]:
-        lines[-1] += "  " + comment_text(comment)
+        behind[len(lines) - 1] = comment_text(comment)
+
+
+def _add_behind(lines: list[str], behind: dict[int, str]) -> None:
+    """Adds comments behind lines, those of neighbours below each other."""
+    for _, numbered in groupby(enumerate(sorted(behind)), lambda pair: pair[1] - pair[0]):
+        block = [at for _, at in numbered]
+        width = _width([lines[at] for at in block], WIDTH // 2)
+        for at in block:
+            lines[at] = f"{lines[at]:<{width}}  {behind[at]}"
 
 
 # -------------------------------------------------------------------- alignment
@@ -86,7 +84,8 @@ def _item(lines: list[str], item: ast.Item, text: list[str]) -> None:
 
 def _runs(items: Sequence[ast.Item]) -> Iterator[list[ast.Item]]:
     """Neighbours that are aligned with each other: rules of one symbol, rules without clauses,
-    attributes; nothing across an empty line or a comment."""
+    attributes; nothing across an empty line or a comment.
+    """
     run: list[ast.Item] = []
     for item in items:
         apart = item.blank_before or any(not comment.trailing for comment in item.comments)
@@ -136,8 +135,8 @@ def _rules(rules: list[ast.Rule]) -> list[list[str]]:
     ]
 
 
-def _width(texts: list[str]) -> int:
-    return max((len(text) for text in texts if len(text) <= ALIGNED), default=0)
+def _width(texts: list[str], limit: int = ALIGNED) -> int:
+    return max((len(text) for text in texts if len(text) <= limit), default=0)
 
 
 def _attrs(attrs: list[ast.Attr]) -> list[list[str]]:
@@ -146,7 +145,9 @@ def _attrs(attrs: list[ast.Attr]) -> list[list[str]]:
     found = []
     for attr, row in zip(attrs, rows, strict=True):
         cells = [
-            f"{cell:<{width}}" for cell, width in zip(row, [*widths, 0], strict=True) if width or cell
+            f"{cell:<{width}}"
+            for cell, width in zip(row, [*widths, 0], strict=True)
+            if width or cell
         ]
         line = " ".join(cells).rstrip()
         fits = len(line) <= WIDTH
@@ -199,15 +200,20 @@ def _rule_left(rule: ast.Rule) -> str:
 def _rule(rule: ast.Rule, left: str) -> list[str]:
     docs = [] if rule.doc is None else [quote(line) for line in rule.doc.split("\n")]
     page = _rule_page(rule, left)
-    body = flat_body(rule.body, WIDTH - INDENT)
-    below = body is not None and len(page.line) + 1 + len(body) > WIDTH
-    blocks = any(
-        isinstance(each, ast.Split | ast.Block | ast.Each | ast.Repeat) for each in rule.body
-    )
-    if below or (body is None and not blocks):
+    body = flat_body(rule.body, WIDTH - len(page.line) - 1)
+    if body is None and not any(_opens(each) for each in rule.body):
         page.break_line(INDENT)
     fill(page, rule.body, INDENT)
     return docs + page.finish()
+
+
+def _opens(element: ast.Element) -> bool:
+    """Whether an element has parts that stand on lines of their own."""
+    blocks = ast.Split | ast.Block | ast.Each | ast.Repeat
+    if not isinstance(element, blocks):
+        return False
+    text = flat(element, WIDTH - INDENT)
+    return text is None or len(text) > WIDTH - INDENT
 
 
 def _rule_page(rule: ast.Rule, left: str) -> Page:
@@ -265,8 +271,11 @@ def _place_words(place: ast.Place) -> list[str]:
 def _inline_table(table: ast.Table) -> list[str]:
     """One row per line."""
     page = Page(f"table {table.name}({', '.join(table.columns)}) =")
+    by_row: dict[int, list[ast.Comment]] = {}
+    for index, comment in table.row_comments:
+        by_row.setdefault(index, []).append(comment)
     for index, row in enumerate(table.rows):
-        comments = [comment for at, comment in table.row_comments if at == index]
+        comments = by_row.get(index, [])
         for comment in comments:
             if not comment.trailing:
                 page.comment(comment, INDENT)

@@ -17,7 +17,7 @@ Result = TypeVar("Result")
 # takes in every such line once, so a file of comments alone is no trap.
 _LINE = re.compile(r"\n(?:[^\S\n]*+(?://[^\n]*+)?+\n)*+((?!//|-->)(?=[^\s)\]}|,]))?")
 _FIRST = re.compile(r"(?!//|-->)(?=[^\s)\]}|,])")
-_INDENTED_CODE = re.compile(r"^[^\S\n]+(?!//)[^\s/]|^[^\S\n]+/(?!/)", re.MULTILINE)
+_CODE = re.compile(r"^[^\S\n]*+(?!//)\S", re.MULTILINE)
 _NO_CODE = re.compile(r"[^\S\n]*+(?://[^\n]*+)?+\Z")
 
 Piece: TypeAlias = "tuple[int, int]"
@@ -26,22 +26,30 @@ Piece: TypeAlias = "tuple[int, int]"
 def split(text: str) -> list[Piece]:
     """The ranges of a file's items, in order. An item starts where the one before it ends, so that
     its lead (empty lines, comments) is in it; the first starts at its code: what is above is the
-    file's header."""
-    ends, starts = [], []
-    if _FIRST.match(text):
-        starts.append(0)
-    documents = text.startswith('"')
-    for match in _LINE.finditer(text):
-        if match.lastindex:
-            if not documents:
-                ends.append(match.start())
-                starts.append(match.end())
-            documents = text[match.end()] == '"'
-    if not starts:
-        return []
-    if len(ends) == len(starts):
-        del ends[0]
-    return list(zip([starts[0], *ends], [*ends, _last_end(text, starts[-1])], strict=True))
+    file's header.
+    """
+    gaps = [match.span() for match in _LINE.finditer(text) if match.lastindex]
+    if not _FIRST.match(text):
+        if not gaps:
+            return []
+        gaps[0] = (gaps[0][1], gaps[0][1])
+    else:
+        gaps.insert(0, (0, 0))
+    if '\n"' in text or text.startswith('"'):
+        gaps = _without_docs(text, gaps)
+    starts = [start for start, _ in gaps]
+    return list(zip(starts, [*starts[1:], _last_end(text, gaps[-1][1])], strict=True))
+
+
+def _without_docs(text: str, gaps: list[Piece]) -> list[Piece]:
+    """The gaps above items, but for those below a string: it documents the rule that follows."""
+    kept = []
+    documents = False
+    for gap in gaps:
+        if not documents:
+            kept.append(gap)
+        documents = text[gap[1]] == '"'
+    return kept
 
 
 def _last_end(text: str, code: int) -> int:
@@ -55,8 +63,8 @@ def _last_end(text: str, code: int) -> int:
 
 
 def stray_code(text: str, stop: int) -> int | None:
-    """Where an indented line of code stands before the first item, if there is one."""
-    match = _INDENTED_CODE.search(text, 0, stop)
+    """Where code stands above the first item, if there is any."""
+    match = _CODE.search(text, 0, stop)
     return None if match is None else match.end() - 1
 
 
@@ -79,6 +87,14 @@ class ItemCache(Generic[Result]):
             found = self.old.get(text)
             if found is not None:
                 self.keep(text, found)
+        return found
+
+    def find_all(self, texts: list[str]) -> list[Result | None]:
+        """What was kept for each of many texts."""
+        found = list(map(self.young.get, texts))
+        for index, each in enumerate(found):
+            if each is None:
+                found[index] = self.find(texts[index])
         return found
 
     def keep(self, text: str, result: Result) -> None:

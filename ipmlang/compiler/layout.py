@@ -37,7 +37,8 @@ class Page:
 
     def word(self, text: str, base: int, reserve: int = 0) -> None:
         """Adds a word to the line, or to a new one indented by `base` when the line would be longer
-        than WIDTH with `reserve` more characters."""
+        than WIDTH with `reserve` more characters.
+        """
         needed = len(self.line) + (not self.glued) + len(text) + reserve
         if self.ended or (needed > WIDTH and self.line.strip() and not self.glued):
             self.break_line(base)
@@ -123,7 +124,9 @@ def flat(element: ast.Element, room: int, before_mark: bool = False) -> str | No
             return None if inner is None else f"[{inner}]"
         case ast.Repeat(body=body):
             inner = flat_body(body, room)
-            return None if inner is None else f"{_opening(element)} {inner} }}".replace("{  }", "{ }")
+            return (
+                None if inner is None else f"{_opening(element)} {inner} }}".replace("{  }", "{ }")
+            )
         case ast.Split() | ast.Block() | ast.Each():
             inner = _flat_parts(element.parts, room)
             return None if inner is None else f"{_opening(element)} {inner}}}"
@@ -258,9 +261,7 @@ def _trailing(page: Page, node: Commented, base: int) -> None:
             page.comment(comment, base)
 
 
-def _broken(
-    page: Page, element: ast.Element, base: int, reserve: int, before_mark: bool
-) -> None:
+def _broken(page: Page, element: ast.Element, base: int, reserve: int, before_mark: bool) -> None:
     match element:
         case ast.Module():
             page.words(module_words(element), base + INDENT, reserve)

@@ -1,14 +1,15 @@
-"""Text to syntax tree: a file is split into items, each is read by itself, and remembered by its text.
+"""Text to syntax tree: a file is split into items, each is read alone and remembered by its text.
 
 Out come the tree of all items that could be read and one diagnostic for each that could not; a
 broken item spoils no other. What an item was parsed to depends on its text alone, so after an edit
 only the items that changed are read again. Nothing is looked up here: names are the checker's.
 
-These words are keywords only where the grammar can take them; elsewhere they are names:
-first in an item, `ipm import asset table surface context attr const fn turtle limit tropism ignore canvas axes
-site start interpret`; in expressions, `if then else and or not true false`; in a successor, `repeat split
-set`; after a colon of a head, `else weight`; after the axiom of `start`, `on steps seeds direction with
-avoiding retries choices`; and `as in atlas radius except box polygon` after what they belong to.
+These words are keywords only where the grammar can take them; elsewhere they are names: first in an
+item, `ipm import asset table surface context attr const fn turtle limit tropism ignore canvas axes
+site start interpret`; in expressions, `if then else and or not true false`; in a successor, `repeat
+split set`; after the colon of a head, `else weight`; after the axiom of `start`, `on steps seeds
+direction with avoiding retries choices`; and `as in atlas radius except box polygon` after what
+they belong to.
 """
 
 from __future__ import annotations
@@ -21,8 +22,9 @@ from functools import cache
 from typing import TypeAlias
 
 from ipmlang.compiler import ast
-from ipmlang.compiler.automaton import Automaton, Refused, TooDeep, load, run
-from ipmlang.compiler.build import Unbuildable, builders
+from ipmlang.compiler.automaton import Automaton, RefusedError, TooDeepError, load, run
+from ipmlang.compiler.build import builders
+from ipmlang.compiler.build_expressions import UnbuildableError
 from ipmlang.compiler.comments import attach, comment
 from ipmlang.compiler.depth import too_deep
 from ipmlang.compiler.diagnostics import Diagnostic, Source
@@ -52,33 +54,36 @@ def new_cache(limit: int = 50_000) -> ItemCache:
 def parse(
     source: Source, cache: ItemCache | None = None
 ) -> tuple[ast.Grammar, tuple[Diagnostic, ...]]:
-    """The tree of a file, and what is wrong with its syntax.
+    r"""The tree of a file, and what is wrong with its syntax.
 
-    >>> grammar, diagnostics = parse(Source("koch.ipm", "F --> F + F\\nstart F F\\n"))
+    >>> grammar, diagnostics = parse(Source("koch.ipm", "F --> F + F\nstart F F\n"))
     >>> [type(item).__name__ for item in grammar.items], diagnostics
     (['Rule', 'Start'], ())
     """
     text = source.text
     pieces = split(text)
-    header, blank = _lead(text, pieces[0][0] if pieces else len(text))
-    items, offsets, diagnostics = [], [], _stray(source, pieces)
+    header, blank = _lead(text[: max(0, pieces[0][0] - 1)] if pieces else text)
     with _without_collection():
-        for start, end in pieces:
-            parsed = _parsed(text[start:end], blank, cache)
-            blank = False
-            if parsed.item is not None:
-                items.append(parsed.item)
-                offsets.append(start)
-            if parsed.trouble is not None:
-                diagnostics.append(_diagnostic(parsed.trouble, source, start))
-    trailer = _lead(text[pieces[-1][1] :], None)[0] if pieces else ()
-    return ast.Grammar(tuple(items), header, trailer, tuple(offsets)), tuple(diagnostics)
+        parsed = _parse_all([text[start:end] for start, end in pieces], blank, cache)
+    diagnostics = _stray(source, pieces)
+    diagnostics += [
+        _diagnostic(each.trouble, source, start)
+        for each, (start, _) in zip(parsed, pieces, strict=True)
+        if each.trouble is not None
+    ]
+    items = tuple(each.item for each in parsed if each.item is not None)
+    offsets = tuple(
+        start for each, (start, _) in zip(parsed, pieces, strict=True) if each.item is not None
+    )
+    trailer = _lead(text[pieces[-1][1] :])[0] if pieces else ()
+    return ast.Grammar(items, header, trailer, offsets), tuple(diagnostics)
 
 
 @contextmanager
 def _without_collection() -> Iterator[None]:
     """Holds the search for reference cycles off: trees have none, and on a large file it takes as
-    long as the parsing, and grows faster than the file."""
+    long as the parsing, and grows faster than the file.
+    """
     was_on = gc.isenabled()
     gc.disable()
     try:
@@ -88,27 +93,23 @@ def _without_collection() -> Iterator[None]:
             gc.enable()
 
 
-def parse_successor(text: str) -> tuple[ast.Element, ...]:
-    """The elements of a successor by itself; raises IpmError where it is wrong."""
-    from ipmlang.compiler.diagnostics import IpmError
-
-    grammar, diagnostics = parse(Source("<text>", "Successor --> " + text))
-    rule = grammar.items[0] if grammar.items else None
-    if diagnostics or not isinstance(rule, ast.Rule):
-        raise IpmError(diagnostics)
-    return rule.body
-
-
-def _parsed(text: str, blank: bool, cache: ItemCache | None) -> Parsed:
-    """One item, from the cache where it can be. Only the first item can have an empty line above
-    that is not in its text; it is read again each time."""
-    if blank or cache is None:
-        return parse_item(text, blank)
-    found = cache.find(text)
-    if found is None:
-        found = parse_item(text, False)
-        cache.keep(text, found)
-    return found
+def _parse_all(texts: list[str], blank: bool, cache: ItemCache | None) -> list[Parsed]:
+    """All items, from the cache where they can be. Only the first can have an empty line above it
+    that is not in its text; then it is read anew.
+    """
+    found: list[Parsed | None] = [None] * len(texts)
+    if cache is not None:
+        found = cache.find_all(texts)
+    if blank and texts:
+        found[0] = parse_item(texts[0], True)
+    parsed = []
+    for text, known in zip(texts, found, strict=True):
+        if known is None:
+            known = parse_item(text)
+            if cache is not None:
+                cache.keep(text, known)
+        parsed.append(known)
+    return parsed
 
 
 def parse_item(text: str, blank_before: bool = False) -> Parsed:
@@ -120,11 +121,13 @@ def parse_item(text: str, blank_before: bool = False) -> Parsed:
     comments: list[tuple[int, int]] = []
     try:
         item = run(_machine(), text, comments)
-    except Refused as refused:
+    except RefusedError as refused:
         return Parsed(None, explain(refused, text))
-    except Unbuildable as wrong:
-        return Parsed(None, Trouble(wrong.code, wrong.message, wrong.start, wrong.end, None, wrong.hint))
-    except TooDeep as deep:
+    except UnbuildableError as wrong:
+        return Parsed(
+            None, Trouble(wrong.code, wrong.message, wrong.start, wrong.end, None, wrong.hint)
+        )
+    except TooDeepError as deep:
         return Parsed(None, _nesting(deep.start, deep.end))
     assert isinstance(item, ast.Item)
     if too_deep(item, text):
@@ -142,41 +145,36 @@ def _machine() -> Automaton:
     return load(builders())
 
 
-def _lead(text: str, stop: int | None) -> tuple[tuple[ast.Comment, ...], bool]:
-    """The comments of a text without code, and whether it ends with an empty line."""
+def _lead(text: str) -> tuple[tuple[ast.Comment, ...], bool]:
+    """The comments of a text without code, and whether its last line is empty."""
     found = []
     blank = False
     offset = 0
-    for line in _lines(text[:stop]):
+    for line in text.split("\n"):
         content = line.strip()
         if content.startswith("//"):
             start = offset + line.index("//")
             found.append(comment(text, start, offset + len(line.rstrip()), False, blank))
         blank = not content and offset > 0
-        offset += len(line)
+        offset += len(line) + 1
     return tuple(found), blank
 
 
-def _lines(text: str) -> list[str]:
-    return [line + "\n" for line in text.split("\n")]
-
-
 def _stray(source: Source, pieces: list[Piece]) -> list[Diagnostic]:
-    """The diagnostic for indented code above the first item."""
-    place = stray_code(source.text, pieces[0][0] if pieces else len(source.text))
+    """The diagnostic for code above the first item."""
+    text = source.text
+    place = stray_code(text, pieces[0][0] if pieces else len(text))
     if place is None:
         return []
-    end = source.text.find("\n", place)
-    return [
-        Diagnostic(
-            "item-not-in-first-column",
-            "this line is indented, and there is no item above that it could go on with",
-            source=source,
-            start=place,
-            end=len(source.text) if end < 0 else end,
-            hint="every item starts in the first column",
-        )
-    ]
+    end = text.find("\n", place)
+    end = len(text) if end < 0 else end
+    if place == 0 or text[place - 1] == "\n":
+        code, message = "no-item", f"no item starts with `{text[place]}`"
+    else:
+        code = "item-not-in-first-column"
+        message = "this line is indented, and there is no item above that it could go on with"
+    hint = "every item starts in the first column, with a word or with the head of a rule"
+    return [Diagnostic(code, message, source=source, start=place, end=end, hint=hint)]
 
 
 def _diagnostic(trouble: Trouble, source: Source, offset: int) -> Diagnostic:

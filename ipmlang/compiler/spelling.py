@@ -1,8 +1,8 @@
 """Spells what stands within a line of `.ipm` text: numbers, strings, expressions, labels, heads.
 
-In come expressions of the syntax tree, out goes text with as few brackets as the grammar allows, which
-parses to the same tree. A spelling is a list of words, so that a line can be broken between any two
-of them; joined with blanks they are the text.
+In come expressions of the syntax tree, out goes text with as few brackets as the grammar allows,
+which parses to the same tree. A spelling is a list of words, so that a line can be broken between
+any two of them; joined with blanks they are the text.
 """
 
 from __future__ import annotations
@@ -16,6 +16,8 @@ from ipmlang.compiler import ast
 LEVELS = {"or": 1, "and": 2, "<": 4, "<=": 4, ">": 4, ">=": 4, "==": 4, "!=": 4} | {
     "+": 5, "-": 5, "*": 6, "/": 6,
 }  # fmt: skip
+# What stands in brackets and is no longer than this is not broken over lines.
+UNBROKEN = 40
 NOT, COMPARISON, SIGNED, ATOM = 3, 4, 7, 8
 _LITERAL = re.compile(r"-?[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?")
 _SPECIAL = re.compile(r'[\\"\x00-\x1f\x7f]')
@@ -47,9 +49,7 @@ def quote(value: str) -> str:
     """A string literal."""
     if _SPECIAL.search(value) is None:
         return f'"{value}"'
-    resolved = _SPECIAL.sub(
-        lambda match: _ESCAPES.get(match[0], f"\\u{ord(match[0]):04x}"), value
-    )
+    resolved = _SPECIAL.sub(lambda match: _ESCAPES.get(match[0], f"\\u{ord(match[0]):04x}"), value)
     return f'"{resolved}"'
 
 
@@ -142,19 +142,19 @@ def comma_separated(spellings: list[list[str]]) -> list[str]:
 
 
 def enclosed(opening: str, words: list[str], closing: str) -> list[str]:
-    """Words between two brackets, without blanks inside."""
+    """Words between two brackets, without blanks inside; few of them are one word."""
     if not words:
         return [opening + closing]
     words[0] = opening + words[0]
     words[-1] += closing
-    return words
+    return words if sum(map(len, words)) > UNBROKEN else [" ".join(words)]
 
 
 # ------------------------------------------------------------------------ labels
 
 
 def label_words(label: ast.Expr, level: int = 0) -> list[str]:
-    """A label of a part: names, numbers, strings, calls, `and`, `or`, `not`; all else in brackets."""
+    """A label of a part: all but names, literals, calls, `and`, `or`, `not` is in brackets."""
     match label:
         case ast.Binary(op="or" | "and" as op, left=left, right=right):
             own = LEVELS[op]

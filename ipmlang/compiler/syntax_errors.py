@@ -1,70 +1,20 @@
 """Says in the user's words what is wrong with the syntax of an item.
 
 In comes what the automaton refused: the token, what came before it and what could have stood there;
-out goes one `Trouble`, with places relative to the item. Common mistakes are known by name; all others say what
-was expected.
+out goes one `Trouble`, with places relative to the item. Common mistakes are known by name; all
+others say what was expected.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ipmlang.compiler.automaton import Refused, Token
+from ipmlang.compiler.automaton import RefusedError, Token
+from ipmlang.compiler.diagnostics import nearest
+from ipmlang.compiler.expected import BRACKETS, ITEM_WORDS, words
 
+COMPARISONS = ("LESS", "LESS_EQUAL", "MORE", "MORE_EQUAL", "EQUALS", "DIFFERS")
 OPENERS = {"LPAR": "RPAR", "LSQB": "RSQB", "LBRACE": "RBRACE"}
-BRACKETS = {
-    "LPAR": "(", "RPAR": ")", "LSQB": "[", "RSQB": "]", "LBRACE": "{", "RBRACE": "}",
-}  # fmt: skip
-ITEM_WORDS = frozenset(
-    "import asset table surface context attr const fn turtle limit tropism ignore canvas axes "
-    "site start interpret ipm".split()
-)
-OPERATORS = frozenset(
-    "PLUS MINUS STAR SLASH LESS LESS_EQUAL MORE MORE_EQUAL EQUALS DIFFERS AND OR".split()
-)
-MARKS = frozenset("PLUS MINUS STAR SLASH AMPERSAND CARET BACKSLASH DOLLAR BANG".split())
-# What can begin several things, by the members that give it away and those it brings along.
-GROUPS = (
-    (
-        frozenset(("IMPORT", "ATTR", "START")),
-        frozenset(word.upper() for word in ITEM_WORDS) | MARKS | {"NAME", "LSQB", "STRING"},
-        "an item: a rule, or a word such as `attr` or `start`",
-    ),
-    (
-        frozenset(("REPEAT", "SPLIT", "SET")),
-        MARKS | {"NAME", "LSQB", "REPEAT", "SPLIT", "SET"},
-        "a shape or operation",
-    ),
-    (
-        frozenset(("NUMBER", "TRUE", "NAME", "LPAR")),
-        frozenset(("NUMBER", "TRUE", "FALSE", "NAME", "LPAR", "MINUS", "STRING", "NOT", "IF")),
-        "a value",
-    ),
-    (frozenset(("STAR", "SLASH", "PLUS")), OPERATORS, "an operator"),
-    (frozenset(("DOLLAR", "BANG", "NAME")), MARKS | {"NAME", "LSQB"}, "a symbol"),
-)
-NAMED = {
-    "NAME": "a name",
-    "NUMBER": "a number",
-    "STRING": "a string",
-    "$END": "the end of the item",
-    "AT_EACH": "`at each`",
-    "ARROW": "`-->`",
-    "DOTS": "`..`",
-    "COLON": "`:`",
-    "COMMA": "`,`",
-    "BAR": "`|`",
-    "EQUAL": "`=`",
-    "LESS": "`<`",
-    "MORE": "`>`",
-    "PERCENT": "`%`",
-    "TILDE": "`~`",
-    "QUOTE": "`'`",
-    "STAR": "`*`",
-    "PLUS": "`+`",
-    "MINUS": "`-`",
-    **{terminal: f"`{mark}`" for terminal, mark in BRACKETS.items()},
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,15 +29,17 @@ class Trouble:
     hint: str | None = None
 
 
-def explain(refused: Refused, text: str) -> Trouble:
+def explain(refused: RefusedError, text: str) -> Trouble:
     """What is wrong, by the first of the known mistakes that fits, else by what was expected."""
     for mistake in (
         _unknown_character,
         _bad_number,
-        _foreign_operator,
         _indented_item,
+        _foreign_operator,
         _reserved_word,
         _unmatched,
+        _parts,
+        _unknown_item,
         _missing_arrow,
     ):
         trouble = mistake(refused, text)
@@ -107,24 +59,7 @@ def explain(refused: Refused, text: str) -> Trouble:
     )
 
 
-def words(terminals: frozenset[str]) -> str | None:
-    """Terminals in words: `a value, "," or ")"`; nothing for none."""
-    left = set(terminals) - {"LITERALS"}
-    said = []
-    for signs, members, name in GROUPS:
-        if signs <= left:
-            said.append(name)
-            left -= members
-    if "NAME" in left and any(each.isalpha() and each not in NAMED for each in left):
-        left.discard("NAME")
-        said.append("a name")
-    said += sorted(NAMED.get(each, f"`{each.lower()}`") for each in left)
-    if len(said) < 2:
-        return said[0] if said else None
-    return f"{', '.join(said[:-1])} or {said[-1]}"
-
-
-def _at_end(code: str, message: str, refused: Refused, text: str) -> Trouble:
+def _at_end(code: str, message: str, refused: RefusedError, text: str) -> Trouble:
     """Trouble where the item ends: its last character is marked."""
     last = refused.before[0].end if refused.before else len(text)
     return Trouble(code, message, max(0, last - 1), last, words(refused.expected))
@@ -133,7 +68,7 @@ def _at_end(code: str, message: str, refused: Refused, text: str) -> Trouble:
 # --------------------------------------------------------------- known mistakes
 
 
-def _unknown_character(refused: Refused, text: str) -> Trouble | None:
+def _unknown_character(refused: RefusedError, text: str) -> Trouble | None:
     token = refused.token
     if token.terminal != "UNKNOWN":
         return None
@@ -147,19 +82,16 @@ def _unknown_character(refused: Refused, text: str) -> Trouble | None:
     if token.text == ".":
         return _point(refused, text)
     printed = token.text if token.text.isprintable() else f"U+{ord(token.text):04X}"
-    return Trouble(
-        "unexpected-character",
-        f"`{printed}` means nothing here",
-        token.start,
-        token.end,
-        words(refused.expected),
-        _CHARACTER_HINTS.get(token.text),
-    )
+    known = _CHARACTER_HINTS.get(token.text)
+    expected = None if known is not None else words(refused.expected)
+    message = f"`{printed}` means nothing here"
+    return Trouble("unexpected-character", message, token.start, token.end, expected, known)
 
 
 _CHARACTER_HINTS = {
     ";": "an item ends with its line: leave the `;` out",
     "#": 'a comment starts with `//`; a colour is a string: "#d9694a"',
+    "?": "a choice is written `if a then b else c`",
     "→": "the arrow of a rule is written `-->`",
     "…": "write out what `…` stands for",
     "“": 'strings stand in straight quotes: "…"',
@@ -171,7 +103,7 @@ _CHARACTER_HINTS = {
 }
 
 
-def _point(refused: Refused, text: str) -> Trouble:
+def _point(refused: RefusedError, text: str) -> Trouble:
     token = refused.token
     last = refused.before[0] if refused.before else None
     if last is not None and last.terminal == "NUMBER" and last.end == token.start:
@@ -194,7 +126,7 @@ def _point(refused: Refused, text: str) -> Trouble:
     )
 
 
-def _bad_number(refused: Refused, text: str) -> Trouble | None:
+def _bad_number(refused: RefusedError, text: str) -> Trouble | None:
     token = refused.token
     last = refused.before[0] if refused.before else None
     if last is None or last.terminal != "NUMBER" or last.end != token.start:
@@ -209,45 +141,53 @@ def _bad_number(refused: Refused, text: str) -> Trouble | None:
 _FOREIGN = {
     ("MINUS", "MORE"): "the arrow of a rule is written `-->`",
     ("EQUAL", "MORE"): "the arrow of a rule is written `-->`; at least is `>=`",
-    ("COLON", "EQUAL"): "the arrow of a rule is written `-->`",
+    (
+        "COLON",
+        "EQUAL",
+    ): "a value is named with `const` or `attr`; the arrow of a rule is written `-->`",
     ("AMPERSAND", "AMPERSAND"): "write `and`",
     ("BAR", "BAR"): "write `or`",
     ("STAR", "STAR"): "a power is written `pow(a, b)`",
     ("LESS", "MORE"): "not equal is written `!=`",
+    ("MINUS", "ARROW"): "the arrow of a rule is written `-->`",
+}
+_FOREIGN_IN_EXPRESSION = {
+    "EQUAL": "equal is written `==`",
+    "PERCENT": "a remainder is written `mod(a, b)`",
+    "CARET": "a power is written `pow(a, b)`",
+    "AMPERSAND": "write `and`",
 }
 
 
-def _foreign_operator(refused: Refused, text: str) -> Trouble | None:
+def _foreign_operator(refused: RefusedError, text: str) -> Trouble | None:
     """An operator of another language, seen at its first character or its second."""
     token = refused.token
     previous = refused.before[0] if refused.before else None
     if previous is not None and previous.end == token.start:
         hint = _FOREIGN.get((previous.terminal, token.terminal))
-        if hint is not None and previous.terminal != "AMPERSAND":
+        if hint is not None:
             return _foreign(previous.start, token.end, text, hint)
-    after = text[token.end : token.end + 1]
-    in_expression = "PLUS" in refused.expected and "SLASH" in refused.expected
-    in_value = "NUMBER" in refused.expected and "NOT" in refused.expected
-    if in_expression and token.terminal in ("AMPERSAND", "BAR") and after == token.text:
-        hint = _FOREIGN[token.terminal, token.terminal]
-        return _foreign(token.start, token.end + 1, text, hint)
-    if token.terminal == "EQUAL" and previous is not None and in_expression:
-        hint = "equal is written `==`"
-        return _foreign(token.start, token.end, text, hint)
-    if in_expression and token.terminal == "PERCENT":
-        return _foreign(token.start, token.end, text, "a remainder is written `mod(a, b)`")
-    if previous is not None and previous.terminal == "PERCENT" and token.terminal in OPERATORS | {
-        "NUMBER", "NAME", "LPAR",
-    }:  # fmt: skip
-        hint = "a remainder is written `mod(a, b)`"
+    in_expression = {"PLUS", "SLASH"} <= refused.expected and "DOLLAR" not in refused.expected
+    if in_expression and text[token.end : token.end + 1] == token.text:
+        hint = _FOREIGN.get((token.terminal, token.terminal))
+        if hint is not None:
+            return _foreign(token.start, token.end + 1, text, hint)
+    if in_expression and token.terminal in _FOREIGN_IN_EXPRESSION:
+        return _foreign(token.start, token.end, text, _FOREIGN_IN_EXPRESSION[token.terminal])
+    if previous is not None and previous.terminal == "PERCENT" and "ARROW" in refused.expected:
+        hint = _FOREIGN_IN_EXPRESSION["PERCENT"]
         return _foreign(previous.start, previous.end, text, hint)
-    if in_expression and token.terminal == "CARET":
-        return _foreign(token.start, token.end, text, "a power is written `pow(a, b)`")
-    if in_value and token.terminal == "BANG":
+    if in_expression and token.terminal in COMPARISONS:
+        message = "comparisons do not chain"
+        hint = "write `a < b and b < c`"
+        return Trouble("chained-comparison", message, token.start, token.end, None, hint)
+    if token.terminal == "BANG" and {"NUMBER", "NOT"} <= refused.expected:
         return _foreign(token.start, token.end, text, "write `not`")
-    if token.terminal == "QUOTE" and in_value:
+    if token.terminal == "QUOTE":
         hint = 'strings stand in double quotes: "…"'
-        return _foreign(token.start, token.end, text, hint)
+        return Trouble(
+            "unexpected-token", "`'` cannot stand here", token.start, token.end, None, hint
+        )
     return None
 
 
@@ -256,7 +196,7 @@ def _foreign(start: int, end: int, text: str, hint: str) -> Trouble:
     return Trouble("unknown-operator", message, start, end, None, hint)
 
 
-def _indented_item(refused: Refused, text: str) -> Trouble | None:
+def _indented_item(refused: RefusedError, text: str) -> Trouble | None:
     """A line that would be an item, if only it were not indented."""
     token = refused.token
     line = text.rfind("\n", 0, token.start) + 1
@@ -282,7 +222,7 @@ def _indented_item(refused: Refused, text: str) -> Trouble | None:
     )
 
 
-def _reserved_word(refused: Refused, text: str) -> Trouble | None:
+def _reserved_word(refused: RefusedError, text: str) -> Trouble | None:
     """A rule for a symbol whose name begins another kind of item."""
     first = refused.before[-1] if refused.before else None
     if first is None or first.text not in ITEM_WORDS or len(refused.before) > 1:
@@ -299,7 +239,7 @@ def _reserved_word(refused: Refused, text: str) -> Trouble | None:
     )
 
 
-def _unmatched(refused: Refused, text: str) -> Trouble | None:
+def _unmatched(refused: RefusedError, text: str) -> Trouble | None:
     """Brackets that do not pair."""
     opened: list[Token] = []
     for token in reversed(refused.before):
@@ -326,19 +266,63 @@ def _unmatched(refused: Refused, text: str) -> Trouble | None:
     return Trouble("unclosed-bracket", message, token.start, token.end, f"`{closer}`")
 
 
-def _missing_arrow(refused: Refused, text: str) -> Trouble | None:
-    if "ARROW" not in refused.expected:
+def _parts(refused: RefusedError, text: str) -> Trouble | None:
+    """A part that is not there, or parts without a bar between them."""
+    token = refused.token
+    previous = refused.before[0] if refused.before else None
+    if previous is None:
+        return None
+    if token.terminal in ("BAR", "RBRACE") and previous.terminal in ("BAR", "LBRACE"):
+        message = "a part is missing here"
+        hint = "what stays empty is written `nil`"
+        return Trouble("empty-part", message, token.start, token.end, words(refused.expected), hint)
+    if token.terminal == "COLON" and "BAR" in refused.expected:
+        message = "a new part begins here, without a `|` before it"
+        return Trouble("missing-bar", message, previous.start, token.end, "`|`")
+    return None
+
+
+def _unknown_item(refused: RefusedError, text: str) -> Trouble | None:
+    """A misspelt first word, and documentation of what has none."""
+    first = refused.before[-1] if refused.before else None
+    second = refused.before[-2] if len(refused.before) > 1 else refused.token
+    if first is None:
+        return None
+    if first.terminal == "STRING" and second.text in ITEM_WORDS:
+        message = "a string on a line of its own documents a rule, and no rule is below"
+        hint = "an attribute has its documentation behind it; anything else a comment"
+        return Trouble("misplaced-doc", message, first.start, first.end, None, hint)
+    if first.terminal != "NAME" or second.terminal != "NAME" or "-->" in text:
+        return None
+    close = nearest(first.text.lower(), ITEM_WORDS)
+    if not close:
+        return None
+    message = f"no item starts with `{first.text}`"
+    return Trouble(
+        "unknown-item", message, first.start, first.end, None, f"did you mean `{close[0]}`?"
+    )
+
+
+def _missing_arrow(refused: RefusedError, text: str) -> Trouble | None:
+    token = refused.token
+    in_head = bool({"ARROW", "DOLLAR"} & refused.expected)
+    first = next((each for each in reversed(refused.before) if each.terminal != "STRING"), token)
+    if not in_head or first.text in ITEM_WORDS - {"interpret"} or "-->" in text:
         return None
     message = "a rule needs `-->` between its head and its successor"
-    if refused.token.terminal == "$END":
+    if token.terminal == "$END":
         return _at_end("missing-arrow", message, refused, text)
-    token = refused.token
-    return Trouble("missing-arrow", message, token.start, token.end, words(refused.expected))
+    hint = "a value is named with `const` or `attr`" if token.terminal == "EQUAL" else None
+    return Trouble("missing-arrow", message, token.start, token.end, words(refused.expected), hint)
 
 
-def _word_hint(refused: Refused) -> str | None:
-    """Where a word was taken for a keyword that may have been meant as a name."""
+def _word_hint(refused: RefusedError) -> str | None:
+    """A hint for a second arrow, or a keyword that may have been meant as a name."""
     last = refused.before[0] if refused.before else None
+    if refused.token.terminal == "ARROW" and any(t.terminal == "ARROW" for t in refused.before):
+        return "a rule has one `-->`"
     if last is None or last.terminal == "NAME" or not last.text.isidentifier():
+        return None
+    if len(refused.before) == 1:
         return None
     return f"`{last.text}` is a word of the language here, not a name"

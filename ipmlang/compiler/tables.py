@@ -70,7 +70,8 @@ def _builder(rule: Rule) -> str:
 
 def _lexicon(parser: Lark) -> tuple[list[str], str, dict[str, int]]:
     """Terminals in the order of the groups of one master pattern, that pattern, and the number of
-    each keyword. Group 0 is a whole match, so number 0 stays without a terminal."""
+    each keyword. Group 0 is a whole match, so number 0 stays without a terminal.
+    """
     definitions = {each.name: each for each in parser.terminals}
     names = {name for name in definitions if not name.startswith("__IGNORE")}
     name_pattern = re.compile(definitions["NAME"].pattern.to_regexp())
@@ -81,7 +82,11 @@ def _lexicon(parser: Lark) -> tuple[list[str], str, dict[str, int]]:
         and name_pattern.fullmatch(definitions[name].pattern.value)
     )
     marks = sorted(
-        (name for name in names if definitions[name].pattern.type == "str" and name not in keywords),
+        (
+            name
+            for name in names
+            if definitions[name].pattern.type == "str" and name not in keywords
+        ),
         key=lambda name: (-len(definitions[name].pattern.value), name),
     )
     patterns = sorted(names.difference(keywords, marks), key=lambda name: _order(definitions[name]))
@@ -103,7 +108,8 @@ def _automaton(
 ) -> tuple[list[list[int]], list[dict[str, int]]]:
     """Per state, its actions as pairs (terminal, action) and its gotos by rule name. An action of
     0 or more is the state to go to, below 0 it is -1 - production; to accept is to go to state 0,
-    which nothing else enters."""
+    which nothing else enters.
+    """
     table = parser.parser.parser._parse_table
     rule_numbers = {rule: i for i, rule in enumerate(rules)}
     order = _canonical(table.states, table.start_states["item"])
@@ -130,7 +136,8 @@ def _canonical(
     states: Mapping[Symbol, Mapping[str, tuple[object, Symbol]]], first: Symbol
 ) -> dict[Symbol, int]:
     """Numbers for the states: breadth first by the names of the symbols, so that they do not hang
-    on the order of any set inside Lark."""
+    on the order of any set inside Lark.
+    """
     order = {first: 0}
     waiting = deque([first])
     while waiting:

@@ -27,6 +27,7 @@ ATTR_TYPES: dict[str, ValueType] = {
     "bool": "bool",
     "string": "string",
 }
+NUMERIC: frozenset[ValueType] = frozenset({"any", "int", "number"})
 _HEX = re.compile(r"#(?:[0-9a-fA-F]{3,4}|[0-9a-fA-F]{6}|[0-9a-fA-F]{8})")
 
 # The named colours of CSS Color Module Level 4, section 6.1, and the two words that are no colour.

@@ -13,7 +13,8 @@ from collections.abc import Sequence
 from ipmlang.formats.drawing import Drawing, Effect, Fragment, Paint, PaintServer, Style
 
 RELATIVE = 1e-6
-NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+# Colours and references (#1e3a5f, #clip2) and names with digits are words, not numbers.
+TOKEN = re.compile(r"(#[\w-]+|[A-Za-z_]{2,}[\w-]*)|([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)")
 DEFINED = re.compile(r"""\bid\s*=\s*["']([^"']+)["']""")
 Matrix = tuple[float, float, float, float, float, float]
 
@@ -123,14 +124,15 @@ def same_text(a: str, b: str) -> bool:
     """
     if a == b:
         return True
-    if _words(a) != _words(b):
-        return False
-    numbers = [[float(number) for number in NUMBER.findall(text)] for text in (a, b)]
-    return near(*numbers)
+    (words, numbers), (others, values) = _parsed(a), _parsed(b)
+    return words == others and near(numbers, values)
 
 
-def _words(text: str) -> list[str]:
-    return [" ".join(part.split()) for part in NUMBER.split(text)]
+def _parsed(text: str) -> tuple[list[str], list[float]]:
+    """What stands between the numbers, blanks apart, and the numbers."""
+    numbers = [float(match[2]) for match in TOKEN.finditer(text) if match[2]]
+    marked = TOKEN.sub(lambda match: match[1] or "\0", text)
+    return marked.split(), numbers
 
 
 def near(a: Sequence[float], b: Sequence[float]) -> bool:

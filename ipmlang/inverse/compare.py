@@ -17,8 +17,8 @@ import numpy as np
 
 from ipmlang.formats.drawing import Drawing, DrawnElement, Outline
 from ipmlang.inverse.appearance import same_effects, same_fragment, same_matrix, same_style
-from ipmlang.inverse.distance import pair_distances, rows_of
-from ipmlang.inverse.lsystem.curves import Booleans, Curves, Integers, evaluate, stack
+from ipmlang.inverse.distance import bounding_boxes, pair_distances, rows_of
+from ipmlang.inverse.lsystem.curves import Booleans, Curves, Integers, diagonal_of, stack
 from ipmlang.inverse.lsystem.frames import Floats
 
 LIMIT = 1e-6  # of the diagonal: what counts as given back
@@ -81,7 +81,7 @@ class _Sides:
     def __init__(self, a: Drawing, b: Drawing) -> None:
         self.a, self.b = a, b
         self.curves = _curves(a), _curves(b)
-        self.unit = _diagonal(a, self.curves[0])
+        self.unit = diagonal_of(a.box, self.curves[0])
         self._alike: dict[tuple[int, int], bool] = {}
 
     def measure(self, left: Integers, right: Integers) -> _Pairs:
@@ -175,15 +175,6 @@ def _taken(curves: Curves, rows: Integers) -> Curves:
     )
 
 
-def _diagonal(drawing: Drawing, curves: Curves) -> float:
-    """The unit of errors: the diagonal of the viewBox, else of what is drawn, else 1."""
-    if drawing.box is not None and np.hypot(*drawing.box[2:]) > 0:
-        return float(np.hypot(*drawing.box[2:]))
-    along = evaluate(curves.kind, curves.points, np.linspace(0.0, 1.0, 5))
-    extent = float(np.hypot(np.ptp(along.real), np.ptp(along.imag))) if along.size else 0.0
-    return extent or 1.0
-
-
 def _canvas_differs(a: Drawing, b: Drawing, unit: float) -> bool:
     """Whether the second viewBox is another; a drawing without one is given any."""
     if a.box is None or b.box is None:
@@ -253,18 +244,18 @@ def _neighbours(sides: _Sides, left: Integers, right: Integers) -> tuple[Integer
     near = min(CANDIDATES, len(right))
     found, number = cKDTree(yours).query(mine, k=near, p=np.inf)
     distance = np.asarray(found).reshape(len(left), near)
-    index = np.asarray(number).reshape(len(left), near)
+    index = np.minimum(np.asarray(number).reshape(len(left), near), len(right) - 1)
     free = np.ones(len(right), np.bool_)
     pairs = []
     for row, element in enumerate(left.tolist()):
         within = index[row][(distance[row] <= reach[row]) & free[index[row]]]
         if not len(within):
             continue
-        here = sides.a.elements[element]
         steps = np.round(np.abs(yours[within] - mine[row]).max(axis=1) / (1e-5 * sides.unit))
-        other = [sides.b.elements[each] for each in right[within].tolist()]
-        painted = [not sides.alike(here, each) for each in other]
-        best = within[np.lexsort((within, steps, painted))[0]]
+        by_distance = within[np.lexsort((within, steps))].tolist()
+        here = sides.a.elements[element]
+        alike = (each for each in by_distance if sides.alike(here, sides.b.elements[right[each]]))
+        best = next(alike, by_distance[0])
         free[best] = False
         pairs.append((element, int(right[best])))
     both = np.array(pairs, np.int64).reshape(-1, 2)
@@ -273,15 +264,9 @@ def _neighbours(sides: _Sides, left: Integers, right: Integers) -> tuple[Integer
 
 def _boxes(drawing: Drawing, curves: Curves) -> Floats:
     """(n, 4) least and largest x and y of points along the elements; a fragment's origin."""
-    along = evaluate(curves.kind, curves.points, np.linspace(0.0, 1.0, 17))
-    sides = [along.real.min(axis=1), along.imag.min(axis=1)]
-    sides += [-along.real.max(axis=1), -along.imag.max(axis=1)]
     boxes = np.zeros((len(curves.counts), 4))
-    some = np.flatnonzero(curves.counts)
-    for column, values in enumerate(sides):
-        if len(some):
-            boxes[some, column] = np.minimum.reduceat(values, curves.offsets[some])
-    boxes[:, 2:] *= -1
+    drawn = np.flatnonzero(curves.counts)
+    boxes[drawn] = np.nan_to_num(bounding_boxes(curves, drawn))
     for row, element in enumerate(drawing.elements):
         if element.fragment is not None:
             boxes[row] = [*element.fragment.matrix[4:], *element.fragment.matrix[4:]]

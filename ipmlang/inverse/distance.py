@@ -112,14 +112,34 @@ def _improve_dense(
 ) -> None:
     """Curves whose segments do not correspond, and some of those that do but lie apart."""
     drawn = (a.counts > 0) & (b.counts > 0)
-    apart = np.flatnonzero(drawn & alike & (result > 5e-7 * unit))[:REFINED_AT_MOST]
-    strange = np.flatnonzero(drawn & ~alike & (result > 5e-7 * unit))
-    for row in np.concatenate([strange, apart]).tolist():
+    rows = np.flatnonzero(drawn & (result > 5e-7 * unit))
+    rows = rows[_overlapping(a, b, rows)]
+    apart, strange = rows[alike[rows]], rows[~alike[rows]]
+    for row in np.concatenate([strange, apart[:REFINED_AT_MOST]]).tolist():
         left, right = _segments(a, row), _segments(b, row)
         off = max(_one_way(left, right), _one_way(right, left))
         if fixed[row]:
             off = max(off, _ends_apart(left, right))
         result[row] = min(result[row], off)
+
+
+def _overlapping(a: Curves, b: Curves, rows: Integers) -> Booleans:
+    """Whether pairs lie about where each other is, so that it is worth looking at them closely."""
+    boxes = [bounding_boxes(each, rows) for each in (a, b)]
+    size = np.maximum(*(np.abs(box[:, 2:] - box[:, :2]).max(axis=1) for box in boxes))
+    return np.asarray(np.abs(boxes[0] - boxes[1]).max(axis=1) <= 0.25 * size)
+
+
+def bounding_boxes(curves: Curves, rows: Integers) -> Floats:
+    """(k, 4) least x and y, largest x and y of points along elements that are not empty; curves may
+    reach a little further.
+    """
+    index, counts = rows_of(curves.offsets, rows), curves.counts[rows]
+    along = evaluate(curves.kind[index], curves.points[index], np.linspace(0.0, 1.0, 17))
+    sides = [-along.real, -along.imag, along.real, along.imag]
+    box = np.stack([_largest(side.max(axis=1), counts) for side in sides], axis=1)
+    box[:, :2] *= -1
+    return box
 
 
 Segments = tuple[NDArray[np.uint8], Complexes]
@@ -149,7 +169,8 @@ def _one_way(left: Segments, right: Segments) -> float:
     query = np.stack([points_left.real, points_left.imag], axis=1)
     found, number = tree.query(query, k=near)
     distance = np.asarray(found).reshape(len(query), near)
-    index = np.asarray(number).reshape(len(query), near)
+    # Distances that overflow come without a neighbour, as the number past the end.
+    index = np.minimum(np.asarray(number), along.size - 1).reshape(len(query), near)
     segment, step = np.divmod(index.ravel(), len(at))
     target = np.repeat(points_left, near)
     refined = _refined(kind[segment], points[segment], at[step], target)

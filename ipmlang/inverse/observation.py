@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.formats.drawing import Drawing, Floats, Fragment, Outline, Style
-from ipmlang.inverse.lsystem.curves import Curves, evaluate, stack
+from ipmlang.inverse.lsystem.curves import Curves, diagonal_of, evaluate, stack
 from ipmlang.inverse.lsystem.elements import Found, Kind, group_elements
 from ipmlang.inverse.lsystem.frames import Frames, identity, join
 from ipmlang.inverse.lsystem.symmetry import Symmetry, trivial
@@ -99,7 +99,7 @@ def observe(drawing: Drawing, tolerance: float = TOLERANCE) -> Observation:
     drawn = [row for row, element in enumerate(drawing.elements) if element.outline is not None]
     outlines = [element.outline for element in drawing.elements if element.outline is not None]
     curves = stack(outlines, flip)
-    diagonal = _diagonal(drawing.box, curves)
+    diagonal = diagonal_of(drawing.box, curves)
     style, styles = _styles(drawing)
     dashed = np.array([bool(each.dashes) for each in styles], np.bool_)[style]
     decimals = _precision(curves)
@@ -165,16 +165,6 @@ def _styles(drawing: Drawing) -> tuple[NDArray[np.int32], tuple[Style, ...]]:
     known: dict[Style, int] = {}
     numbers = [known.setdefault(element.style, len(known)) for element in drawing.elements]
     return np.array(numbers, np.int32), tuple(known)
-
-
-def _diagonal(box: tuple[float, float, float, float] | None, curves: Curves) -> float:
-    if box is not None and np.hypot(box[2], box[3]) > 0:
-        return float(np.hypot(box[2], box[3]))
-    along = evaluate(curves.kind, curves.points, np.linspace(0.0, 1.0, 5))
-    if not along.size:
-        return 1.0
-    extent = float(np.hypot(np.ptp(along.real), np.ptp(along.imag)))
-    return extent or 1.0
 
 
 def _precision(curves: Curves) -> int:

@@ -24,9 +24,10 @@ class Rows:
     """What was drawn, n rows.
 
     Frames and `size` as in `Instances`; `asset` a number of Program.assets, SEGMENT, OUTLINE or
-    SCOPE; `shape` a polygon's number or -1; `width` NaN and `color` -1 where the pen sets none, else
-    a number of Program.strings; `texts` the same for each of TEXT_FIELDS that some row sets; `symbol`
-    the terminal's number; `rule` the production that made it, -1 for the axiom; `key` (n,) u64.
+    SCOPE; `shape` a polygon's number or -1; `width` NaN and `color` -1 where the pen sets none,
+    else a number of Program.strings; `texts` the same for each of TEXT_FIELDS that some row sets;
+    `symbol` the terminal's number; `rule` the production that made it, -1 for the axiom; `key`
+    (n,) u64.
     """
 
     position: NDArray[np.float64]
@@ -146,5 +147,5 @@ def color(text: str) -> int:
     parsed = parse_color(text)
     if parsed is None or isinstance(parsed, str):
         raise fail("bad-color", f"`{text}` is no colour", hint="write `#rrggbb` or a CSS name")
-    red, green, blue, alpha = (int(round(part * 255)) for part in parsed)
+    red, green, blue, alpha = (int(part * 255 + 0.5) for part in parsed)
     return red << 24 | green << 16 | blue << 8 | alpha

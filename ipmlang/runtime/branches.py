@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ipmlang.runtime.scan import Columns, Whole
 
 Flags = NDArray[np.bool_]
+Numbers = NDArray[np.int32] | NDArray[np.int64]
 # columns and the lengths of their segments -> the columns scanned; the first row of each segment
 # already holds the state that the segment starts from
 Scan = Callable[[Columns, Whole], Columns]
@@ -38,11 +39,11 @@ class Branches:
         deepest = int(depth.max()) if length else 0
         small = np.uint8 if deepest < 256 else np.uint16 if deepest < 65536 else np.int64
         self.length = length
-        self.order: Whole = np.argsort(depth.astype(small), kind="stable")
-        self.place: Whole = np.empty_like(self.order)
-        self.place[self.order] = np.arange(length + 1)
+        self.order = _narrow(np.argsort(depth.astype(small), kind="stable"))
+        self.place = np.empty_like(self.order)
+        self.place[self.order] = _narrow(np.arange(length + 1))
         rows = np.sort(np.append(opens + 1, 0))
-        self.opens: Whole = np.sort(self.place[rows])
+        self.opens: Whole = np.sort(self.place[rows]).astype(np.int64)
         self.levels = np.bincount(depth[rows], minlength=deepest + 1)
         self.parent = self._parents(depth)
 
@@ -69,7 +70,7 @@ class Branches:
     def ends(self) -> Whole:
         """For each branch, the position of its closing bracket, or the length of the string."""
         last = np.append(self.opens[1:], self.length + 1) - 1
-        ends: Whole = self.order[last] - 1
+        ends: Whole = self.order[last].astype(np.int64) - 1
         ends[0] = self.length
         return ends
 
@@ -87,22 +88,24 @@ class Path:
         for each in positions:
             keep[branches.place[each + 1]] = True
         self._keep = keep
-        self._rank = np.cumsum(keep) - 1
+        self._rank = _narrow(np.cumsum(keep) - 1)
         self._place = branches.place
         self.count = int(self._rank[-1]) + 1
-        self.first: Whole = self._rank[branches.opens]
-        self._parent: Whole = self._rank[branches.parent]
+        self.first: Whole = self._rank[branches.opens].astype(np.int64)
+        self._parent: Whole = self._rank[branches.parent].astype(np.int64)
         self._levels = branches.levels.tolist()
         self._lengths = np.diff(np.append(self.first, self.count))
 
     def rows(self, positions: Whole) -> Whole:
         """The kept row that holds the state after each position."""
-        return self._rank[self._place[positions + 1]]
+        rows: Whole = self._rank[self._place[positions + 1]].astype(np.int64)
+        return rows
 
     def before(self, positions: Whole) -> Whole:
         """The kept row that holds the state each position finds."""
         place = self._place[positions + 1]
-        return self._rank[place] - self._keep[place]
+        rows: Whole = self._rank[place].astype(np.int64) - self._keep[place]
+        return rows
 
     def resolve(self, columns: Columns, scan: Scan | None) -> Columns:
         """States at all kept rows, in place: `columns` hold what each row does, and at row 0 the
@@ -123,3 +126,8 @@ class Path:
                     column[rows] = values
             done += count
         return columns
+
+
+def _narrow(numbers: Whole) -> Numbers:
+    """Numbers of rows in four bytes each where these suffice: there is one for every module."""
+    return numbers.astype(np.int32) if len(numbers) < 2**31 else numbers

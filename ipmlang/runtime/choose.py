@@ -36,11 +36,11 @@ class Taken:
 class Choice:
     """One symbol's shapes while their productions are walked as written."""
 
-    def __init__(
-        self, batch: Batch, numbers: Sequence[int], match: Match | None
-    ) -> None:
+    def __init__(self, batch: Batch, numbers: Sequence[int], match: Match | None) -> None:
         self._batch = batch
-        self._productions = [(number, batch.bound.program.productions[number]) for number in numbers]
+        self._productions = [
+            (number, batch.bound.program.productions[number]) for number in numbers
+        ]
         self._match = match
         self._open = np.arange(batch.count)  # not yet taken by a production without a chance
         self._taken = np.full(batch.count, -1, np.int64)
@@ -94,7 +94,7 @@ class Choice:
         return self._open[~ended[self._open]]
 
     def _share(self, number: int, production: ir.Production) -> tuple[Whole, Real]:
-        """The rows for which a production with a chance may be taken, and how likely it is there."""
+        """The rows for which a production with a chance may be taken, and how likely it is."""
         assert production.chance is not None
         if production.chance[0] == "percent":
             tried = self._eligible(number, production)
@@ -104,7 +104,7 @@ class Choice:
         return self._weights[number]
 
     def _weigh(self) -> None:
-        """Shares of all weighted productions: each weight over the sum of those that may be taken."""
+        """Shares of all weighted productions: weights over the sum of those that may be taken."""
         total = np.zeros(self._batch.count)
         found = []
         for number, production in self._productions:

@@ -57,9 +57,10 @@ class Neighbours:
         self._link(branches, np.flatnonzero(seen), opens)
 
     def _link(self, branches: Branches, seen: Whole, opens: Whole) -> None:
-        items = np.concatenate((seen, branches.order[branches.opens[1:]] - 1))
+        inner: Whole = branches.order[branches.opens[1:]].astype(np.int64) - 1
+        items = np.concatenate((seen, inner))
         place = np.concatenate((branches.place[seen + 1] * 2, branches.parent[1:] * 2 + 1))
-        order = np.lexsort((items, place))
+        order: Whole = np.lexsort((items, place))
         items = items[order]
         branch = branches.branch()[place[order] // 2]
         heads = np.ones(len(items), np.bool_)
@@ -183,7 +184,7 @@ class Neighbours:
         symbols = self._symbol[at]
         values = np.zeros(len(at))
         for symbol in np.unique(symbols[at >= 0]).tolist() if wanted == ANY else [wanted]:
-            table = self._tables.get(symbol)
+            table = self._tables.get(symbol) if symbol >= 0 else None
             if table is not None:
                 rows = np.flatnonzero((at >= 0) & (symbols == symbol))
                 values[rows] = spread(table.params[number], self._row[at[rows]])

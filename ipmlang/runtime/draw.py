@@ -13,11 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.compiler import ir
+from ipmlang.compiler.diagnostics import fail
 from ipmlang.runtime.assemble import TEXT_FIELDS, Rows
+from ipmlang.runtime.choose import told
 from ipmlang.runtime.interpret import Act, Stream, chosen
 from ipmlang.runtime.keys import packed
-from ipmlang.runtime.scan import Real, Whole
-from ipmlang.runtime.scene import OUTLINE, SEGMENT
+from ipmlang.runtime.scan import Frames, Real, Whole
+from ipmlang.runtime.scene import OUTLINE, SCOPE, SEGMENT
 from ipmlang.runtime.turtle import Turtle
 from ipmlang.runtime.values import Value
 
@@ -45,18 +47,14 @@ def drawn(program: ir.Program, stream: Stream, turtle: Turtle) -> tuple[Rows, Po
     for act in stream.of("emit"):
         sizes = act.args if len(act.args) == 3 else (0.0, 0.0, 0.0)
         assert isinstance(act.const, int)
-        acts.append(_Drawn(act, act.const if act.const >= 0 else -3, sizes))
+        acts.append(_Drawn(act, act.const if act.const >= 0 else SCOPE, sizes))
     if nest is not None:
         outlines, polygons = _polygons(stream, turtle, nest)
         acts += outlines
     return _rows(program, stream, turtle, [each for each in acts if len(each.act.at)]), polygons
 
 
-def _rows(
-    program: ir.Program, stream: Stream, turtle: Turtle, acts: list[_Drawn]
-) -> Rows:
-    if not acts:
-        acts = [_Drawn(_nothing(), SEGMENT, (0.0, 0.0, 0.0))]
+def _rows(program: ir.Program, stream: Stream, turtle: Turtle, acts: list[_Drawn]) -> Rows:
     order = _order(stream.length, [each.act.at for each in acts])
     count = sum(len(row) for row in order)
     at = np.empty(count, np.int64)
@@ -72,6 +70,7 @@ def _rows(
             if isinstance(value, np.ndarray) or value:
                 size[rows, axis] = value
     frames = turtle.frames(at)
+    _check_finite(program, frames, rule)
     outline = asset == OUTLINE
     if outline.any():  # corners are in world coordinates
         frames.position[outline], frames.scale[outline] = 0, 1
@@ -94,10 +93,16 @@ def _rows(
     )
 
 
-def _nothing() -> Act:
-    from ipmlang.runtime.rewrite import Modules
-
-    return Act("segment", None, np.zeros(0, np.int64), (0.0,), Modules(0, 0))
+def _check_finite(program: ir.Program, frames: Frames, rule: NDArray[np.int32]) -> None:
+    """Refuse frames that grew out of the numbers, and name the first rule that draws there."""
+    bad = np.flatnonzero(~np.isfinite(frames.position).all(axis=1) | ~np.isfinite(frames.scale))
+    if len(bad):
+        number = int(rule[bad[0]])
+        production = program.axiom if number < 0 else program.productions[number]
+        raise fail(
+            "not-a-number",
+            f"{told(program, production)} draws where the turtle's place or scale is no finite number",
+        )
 
 
 def _of(act: Act, column: object) -> NDArray[np.generic] | int:
@@ -178,10 +183,12 @@ def _polygons(
     number, points = number[kept], points[kept]
     counts = np.bincount(number, minlength=len(opens))
     closing = []
-    shapes: dict[int, int] = {}
     visible = [act for act in stream.of("polygon_close") if act.const != "silent"]
     owners = [_innermost(nest, opens, act.at) for act in visible]
-    full = np.flatnonzero(np.isin(np.arange(len(opens)), np.concatenate(owners)) & (counts >= 3))
+    shown = np.zeros(len(opens), np.bool_)
+    for owner in owners:
+        shown[owner] = True
+    full = np.flatnonzero(shown & (counts >= 3))
     shape = np.full(len(opens), -1, np.int32)
     shape[full] = np.arange(len(full))
     for act, owner in zip(visible, owners, strict=True):
@@ -191,9 +198,7 @@ def _polygons(
     return closing, tuple(points[ends[i] - counts[i] : ends[i]] for i in full.tolist())
 
 
-def _corners(
-    stream: Stream, turtle: Turtle, nest: NDArray[np.int32]
-) -> tuple[Whole, Real]:
+def _corners(stream: Stream, turtle: Turtle, nest: NDArray[np.int32]) -> tuple[Whole, Real]:
     """Both ends of every edge inside a polygon, and the places marked as corners."""
     at: list[Whole] = [np.zeros(0, np.int64)]
     points: list[Real] = [np.zeros((0, 3))]

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipmlang.compiler import ir
+from ipmlang.runtime.grow import String
 from ipmlang.runtime.rewrite import CLOSE, OPEN, Modules
 from ipmlang.runtime.scan import Whole
-from ipmlang.runtime.strings import String
 from ipmlang.runtime.values import Batch, Bound, Value
 
 
@@ -65,9 +65,7 @@ def stream(bound: Bound, string: String) -> Stream:
     for number, acting in meanings.items():
         if acting:
             acts += _acts(bound, symbols[number], string.tables[number], first)
-    return Stream(
-        int(first[-1]), first[string.places(OPEN)], first[string.places(CLOSE)], acts
-    )
+    return Stream(int(first[-1]), first[string.places(OPEN)], first[string.places(CLOSE)], acts)
 
 
 def _acting(symbol: ir.Symbol) -> list[ir.Instruction]:
@@ -116,6 +114,10 @@ def chosen(act: Act, rows: Whole) -> Act:
     """An act of some of its modules."""
     args = tuple(v[rows] if isinstance(v, np.ndarray) and v.ndim else v for v in act.args)
     return Act(
-        act.op, act.const, act.at[rows], args, act.modules,
+        act.op,
+        act.const,
+        act.at[rows],
+        args,
+        act.modules,
         rows if act.rows is None else act.rows[rows],
     )

@@ -1,10 +1,11 @@
 """Path keys and uniforms: a random number is a function of (seed, key, site) and of nothing else.
 
-A shape's key is 64 bits in two u32 words; child keys and draws come from it by pcg3d (Jarzynski and
-Olano, "Hash Functions for GPU Rendering", 2020), the same bits for numpy batches, for single numbers
-and on a GPU. What stands in a repeat mixes in its site first and then the number of its copy, outer
-repeats before inner ones, each as a full 32-bit word. Nothing here keeps a state, so results never
-depend on the order of calls. The scheme is version 1 of the language: changing it changes models.
+A shape's key is 64 bits in two u32 words; child keys and draws come from it by pcg3d (Jarzynski
+and Olano, "Hash Functions for GPU Rendering", 2020), the same bits for numpy batches, for single
+numbers and on a GPU. What stands in a repeat mixes in its site first and then the number of its
+copy, outer repeats before inner ones, each as a full 32-bit word. Nothing here keeps a state, so
+results never depend on the order of calls. The scheme is version 1 of the language: changing it
+changes models.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ MASK = 0xFFFFFFFF
 ROOT_WORD = 0x1B873593
 DRAW_BIT = 0x80000000  # parts draws from children: both are numbered by the same sites
 CHOICE_SITE = 0x40000000  # the draw that chooses among a symbol's productions
+FEW = 8  # rows hashed quicker one by one
 BLOCK = 16384  # rows hashed at once: the working set stays in the second-level cache
 
 _MULTIPLIER = np.uint32(1664525)
@@ -39,8 +41,9 @@ def root(seed: int) -> tuple[int, int]:
 
 
 def child(k0: Words, k1: Words, site: int, *copies: Words | int) -> tuple[Words, Words]:
-    """Keys of the children at `site`. k0, k1: (n,) words of the parents' keys; `copies`: the numbers
-    of the copies in the repeats around the site, outermost first, each (n,) or one number."""
+    """Keys of the children at `site`. k0, k1: (n,) words of the parents' keys; `copies`: the
+    numbers of the copies in the repeats around the site, outermost first, each (n,) or one number.
+    """
     return _mixed(k0, k1, (site, *copies))
 
 
@@ -136,23 +139,30 @@ def pcg3d(x: Words, y: Words, z: Words | int) -> tuple[Words, Words]:
 def _mixed(k0: Words, k1: Words, words: Iterable[Words | int]) -> tuple[Words, Words]:
     words = [word if isinstance(word, int) else word.astype(np.uint32) for word in words]
     count = max([len(k0), *(len(word) for word in words if not isinstance(word, int))])
+    if len(k0) != count:
+        k0, k1 = np.broadcast_to(k0, (count,)), np.broadcast_to(k1, (count,))
     if count <= BLOCK:
         return _chained(k0, k1, words)
     out = np.empty((2, count), np.uint32)
     for start in range(0, count, BLOCK):
         rows = slice(start, start + BLOCK)
-        part = [word if isinstance(word, int) else _rows(word, rows) for word in words]
-        out[0, rows], out[1, rows] = _chained(_rows(k0, rows), _rows(k1, rows), part)
+        part = [word if isinstance(word, int) else word[rows] for word in words]
+        out[0, rows], out[1, rows] = _chained(k0[rows], k1[rows], part)
     return out[0], out[1]
 
 
 def _chained(k0: Words, k1: Words, words: Iterable[Words | int]) -> tuple[Words, Words]:
+    if len(k0) <= FEW:
+        return _one_by_one(k0, k1, words)
     for word in words:
-        if not isinstance(word, int) and len(word) != len(k0):
-            k0, k1 = np.broadcast_to(k0, word.shape), np.broadcast_to(k1, word.shape)
         k0, k1 = pcg3d(k0, k1, word)
     return k0, k1
 
 
-def _rows(words: Words, rows: slice) -> Words:
-    return words if len(words) == 1 else words[rows]
+def _one_by_one(k0: Words, k1: Words, words: Iterable[Words | int]) -> tuple[Words, Words]:
+    pairs = list(zip(k0.tolist(), k1.tolist(), strict=True))
+    for word in words:
+        each = [word] * len(pairs) if isinstance(word, int) else word.tolist()
+        pairs = [child_single(*pair, own) for pair, own in zip(pairs, each, strict=True)]
+    out = np.array(pairs, np.uint32).reshape(len(pairs), 2)
+    return out[:, 0], out[:, 1]

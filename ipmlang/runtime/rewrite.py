@@ -9,8 +9,9 @@ while it grows. Keys are path keys; nothing depends on the order of rows.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import TypeAlias
+from dataclasses import dataclass, field, replace
+from math import isfinite
+from typing import Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,11 @@ from ipmlang.runtime.keys import Words
 from ipmlang.runtime.scan import Whole
 from ipmlang.runtime.values import Batch, Bound, Flags, Value, joined
 
+# what becomes of a module for which no production is taken: an error; it stays, with a key of its
+# own so that the draws of its next step are new; it stays as it is
+Rest: TypeAlias = Literal["refuse", "again", "leave"]
+
+WALK_BYTES = 120  # a module, until its row of the instance table stands
 OPEN = -1  # `symbol` of an opening bracket
 CLOSE = -2
 
@@ -100,6 +106,17 @@ class Budget:
                 hint="a guard or `steps` ends the growth; `limit memory` raises the limit",
             )
 
+    def walk(self, length: int) -> None:
+        """Ask for what a turtle needs that walks `length` modules."""
+        size = length * WALK_BYTES
+        if size > self.limits.memory:
+            raise fail(
+                "limit-memory",
+                f"to draw the {length:,} modules of the last string takes about {size:,} bytes, "
+                f"more than the limit of {self.limits.memory:,}",
+                hint="fewer steps make it smaller; `limit memory` raises the limit",
+            )
+
 
 class Rewriter:
     """A bound program, ready to rewrite batches of its symbols."""
@@ -109,7 +126,6 @@ class Rewriter:
         self.program = bound.program
         self.budget = budget
         self.keyed = [_needs_keys(symbol) for symbol in self.program.symbols]
-        self.stays = self.program.steps is not None
 
     def axiom(self, seed: int) -> Block:
         """The axiom's modules, from the seed's root key."""
@@ -118,26 +134,26 @@ class Rewriter:
         return Block(np.zeros(1, np.int64), self._body(-1, self.program.axiom, batch))
 
     def step(
-        self, batch: Batch, symbol: int, numbers: Sequence[int], match: Match | None, keep: bool
+        self, batch: Batch, symbol: int, numbers: Sequence[int], match: Match | None, rest: Rest
     ) -> list[Block]:
-        """Blocks that cover every shape of the batch. Where no production is taken the module
-        stays if `keep`, with a key of its own so that its next draws are new; else that is an error.
+        """Blocks that cover every shape of the batch; `rest` says what becomes of a module for
+        which no production is taken.
         """
-        taken, rest = self._choose(batch, numbers, match)
+        taken, left = self._choose(batch, numbers, match)
         blocks = [
             Block(each.rows, self._body(each.production, self._production(each), each.batch))
             for each in taken
         ]
-        if not len(rest):
+        if not len(left):
             return blocks
-        if not keep:
+        if rest == "refuse":
             raise fail(
                 "no-production",
-                f"no production of {module(batch, symbol, int(rest[0]))} applies"
-                + (f", nor of {len(rest) - 1:,} more" if len(rest) > 1 else ""),
+                f"no production of {module(batch, symbol, int(left[0]))} applies"
+                + (f", nor of {len(left) - 1:,} more" if len(left) > 1 else ""),
                 hint=f"write `{self.program.symbols[symbol].name} : else --> nil` to end silently",
             )
-        return [*blocks, Block(rest, [self._stayed(batch.take(rest), symbol)])]
+        return [*blocks, Block(left, [_stayed(batch.take(left), symbol, rest)])]
 
     def _choose(
         self, batch: Batch, numbers: Sequence[int], match: Match | None
@@ -151,10 +167,6 @@ class Rewriter:
 
     def _production(self, taken: Taken) -> ir.Production:
         return self.program.productions[taken.production]
-
-    def _stayed(self, batch: Batch, symbol: int) -> Modules:
-        k0, k1 = keys.child(batch.k0, batch.k1, keys.CHOICE_SITE)
-        return Modules(symbol, batch.count, batch.params, k0, k1, -1, batch.silent)
 
     def _body(self, number: int, production: ir.Production, batch: Batch) -> list[Item]:
         size = sum(self._bytes(each) for each in production.body)
@@ -183,7 +195,7 @@ class Rewriter:
         assert isinstance(each.const, int)
         params = tuple(batch.get(register) for register in each.args)
         for value in params:
-            if not np.isfinite(value).all():
+            if not (isfinite(value) if isinstance(value, float) else np.isfinite(value).all()):
                 raise fail(
                     "not-a-number",
                     f"{told(self.program, production)}: an argument of "
@@ -220,6 +232,13 @@ def copies_of(limits: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.maximum(np.ceil(limits - 1e-9 * np.maximum(1, np.abs(limits))), 0)
 
 
+def _stayed(batch: Batch, symbol: int, rest: Rest) -> Modules:
+    k0, k1 = batch.k0, batch.k1
+    if rest == "again":
+        k0, k1 = keys.child(k0, k1, keys.CHOICE_SITE)
+    return Modules(symbol, batch.count, batch.params, k0, k1, -1, batch.silent)
+
+
 def _needs_keys(symbol: ir.Symbol) -> bool:
     drawing = {"segment", "emit", "polygon_close", "uniform"}
     return bool(
@@ -245,7 +264,7 @@ def _copied(item: Copies) -> Whole:
 
 
 def lay(items: Sequence[Item], start: Whole) -> None:
-    """Give the modules of a body their places; `start` (n,) is where each row's first one stands."""
+    """Give the modules of a body their places; each row's first one stands at `start` (n,)."""
     for item in items:
         if isinstance(item, Modules):
             item.place = start
@@ -254,7 +273,9 @@ def lay(items: Sequence[Item], start: Whole) -> None:
             inner = leaves(item.items, len(item.owner))
             before = np.append(0, np.cumsum(inner))
             ends = np.cumsum(item.counts)
-            lay(item.items, start[item.owner] + before[:-1] - before[ends - item.counts][item.owner])
+            lay(
+                item.items, start[item.owner] + before[:-1] - before[ends - item.counts][item.owner]
+            )
             start = start + before[ends] - before[ends - item.counts]
 
 
@@ -268,10 +289,11 @@ def modules(items: Sequence[Item]) -> list[Modules]:
 
 def merged(parts: Sequence[Modules]) -> Modules:
     """Modules of one symbol from several bodies as one; `leaves` is not carried over."""
+    if len(parts) == 1:
+        return replace(parts[0])
     counts = [part.count for part in parts]
-    total = sum(counts)
     columns = zip(*(part.params for part in parts), strict=True)
-    rule = joined([np.asarray(part.rule, np.int32) for part in parts], counts)
+    rules = [np.broadcast_to(np.asarray(p.rule, np.int32), (p.count,)) for p in parts]
     silent: Flags | None = None
     if any(part.silent is not None for part in parts):
         silent = np.concatenate(
@@ -279,11 +301,11 @@ def merged(parts: Sequence[Modules]) -> Modules:
         )
     return Modules(
         parts[0].symbol,
-        total,
+        sum(counts),
         tuple(joined(column, counts) for column in columns),
         np.concatenate([part.k0 for part in parts]),
         np.concatenate([part.k1 for part in parts]),
-        np.asarray(rule).astype(np.int32),
+        np.concatenate(rules),
         silent,
         place=np.concatenate([part.place for part in parts]),
     )

@@ -44,7 +44,9 @@ def whole(count: int) -> Whole:
     return np.array([count], np.int64)
 
 
-def scan(columns: Columns, lengths: Whole, combine: Combine, start: Columns | None = None) -> Columns:
+def scan(
+    columns: Columns, lengths: Whole, combine: Combine, start: Columns | None = None
+) -> Columns:
     """Inclusive prefix products of `columns` (each (n,) or (n, k)) in segments of `lengths` rows.
 
     `combine(before, after)` is associative and works row by row on tuples of columns. `start` holds
@@ -66,7 +68,11 @@ def scan(columns: Columns, lengths: Whole, combine: Combine, start: Columns | No
 
 
 def _joined(
-    local: Columns, before: Columns, sizes: Whole, first: Whole, combine: Combine,
+    local: Columns,
+    before: Columns,
+    sizes: Whole,
+    first: Whole,
+    combine: Combine,
     start: Columns | None,
 ) -> Columns:
     """Products within pieces, each times the product before its piece."""
@@ -82,9 +88,7 @@ def _joined(
     return product
 
 
-def lockstep(
-    columns: Columns, lengths: Whole, combine: Combine, start: Columns | None
-) -> Columns:
+def lockstep(columns: Columns, lengths: Whole, combine: Combine, start: Columns | None) -> Columns:
     """A scan whose k-th step combines the k-th rows of all segments that have one.
 
     Rows are laid out by rank in their segment, longest segments first: each step then reads and
@@ -260,9 +264,7 @@ def chain(steps: Frames, start: Frames | None = None, lengths: Whole | None = No
     own = (own[0], own[1], own[2] * hand, own[3] * hand)
     rotation = normalised(scan(own, lengths, quaternion_product, _split(start.rotation)))
     first = _split(start.rotation)
-    held = tuple(
-        shifted(column, lengths, row) for column, row in zip(rotation, first, strict=True)
-    )
+    held = tuple(shifted(column, lengths, row) for column, row in zip(rotation, first, strict=True))
     x, y, z = (steps.position[:, axis] for axis in range(3))
     size = np.abs(found)
     move = np.stack(turned(held, (x * found, y * size, z * size)), axis=1)
@@ -271,7 +273,11 @@ def chain(steps: Frames, start: Frames | None = None, lengths: Whole | None = No
 
 
 def planar_chain(
-    x: Real, y: Real, degrees: Real, scale: Real, lengths: Whole | None = None,
+    x: Real,
+    y: Real,
+    degrees: Real,
+    scale: Real,
+    lengths: Whole | None = None,
     start: tuple[Real, Real, Real, Real] | None = None,
 ) -> tuple[Real, Real, Real, Real]:
     """`chain` in the plane: x, y, angle in degrees and signed scale, all (n,), in and out.

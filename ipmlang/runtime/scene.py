@@ -22,7 +22,8 @@ SCOPE = -3  # `asset` of a terminal without geometry of its own: its box is draw
 @dataclass(frozen=True, slots=True)
 class AssetRef:
     """A named piece of geometry in a file: `picket`, /work/fence.parts.svg, id `picket` (None: the
-    whole file)."""
+    whole file).
+    """
 
     name: str
     path: Path
@@ -65,7 +66,8 @@ class Instances:
 @dataclass(frozen=True, slots=True)
 class PenStyle:
     """What a pen sets beside width, colour and layer. `css`: SVG declarations that override the
-    asset's own; `effect`: a `<g>` of the parts file that wraps the run; `material`: a name (3-D)."""
+    asset's own; `effect`: a `<g>` of the parts file that wraps the run; `material`: a name (3-D).
+    """
 
     css: str = ""
     effect: AssetRef | None = None

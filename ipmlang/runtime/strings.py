@@ -1,16 +1,13 @@
 """Derivation as a string: for turtles that thread, for contexts, and for exactly `steps` steps.
 
-In goes a bound program, out comes the string after its last step: the modules of each symbol as
-columns with their places among all modules and brackets. While no production looks at its
-neighbours the string is never written: each step keeps the blocks of what it rewrote, and one pass
-from the last step to the first and back finds every place. With contexts, or where `cut` may take
-branches away, the places are found after every step. The turtle is not here.
+In goes a program with the values of its attributes and a seed; out comes the scene, or for
+inspection the string itself. The string is grown (`grow`), read as acts (`interpret`), walked
+(`turtle`) and drawn (`draw`); nothing of that is done here.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -18,273 +15,14 @@ from ipmlang.compiler import ir
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.compiler.ops import FUNCTIONS
 from ipmlang.runtime import keys
-from ipmlang.runtime.branches import Branches
-from ipmlang.runtime.choose import Match, told
-from ipmlang.runtime.context import Neighbours
-from ipmlang.runtime.rewrite import (
-    CLOSE,
-    OPEN,
-    Block,
-    Budget,
-    Modules,
-    Rewriter,
-    lay,
-    leaves,
-    merged,
-    modules,
-)
-from ipmlang.runtime.scan import Whole
+from ipmlang.runtime.assemble import scene
+from ipmlang.runtime.draw import drawn
+from ipmlang.runtime.grow import derived, interpreted
+from ipmlang.runtime.interpret import stream
+from ipmlang.runtime.rewrite import CLOSE, OPEN, Budget, Rewriter
 from ipmlang.runtime.scene import Scene
+from ipmlang.runtime.turtle import Turtle
 from ipmlang.runtime.values import Batch, Bound
-
-
-@dataclass(slots=True, eq=False)
-class String:
-    """`length` modules and brackets; `tables` by symbol number (OPEN and CLOSE for brackets)."""
-
-    length: int
-    tables: dict[int, Modules]
-    steps: int = 0
-
-    def places(self, symbol: int) -> Whole:
-        """Where a symbol stands, in no order."""
-        table = self.tables.get(symbol)
-        return np.zeros(0, np.int64) if table is None else table.place
-
-
-@dataclass(slots=True, eq=False)
-class _Rewritten:
-    """All modules of one symbol that a step rewrites: where they came from, what they became."""
-
-    parts: list[Modules]
-    count: int
-    blocks: list[Block]
-
-
-def derived(rewriter: Rewriter, seed: int, count: int | None) -> String:
-    """The string after `count` steps (None: when no module with productions is left), before
-    `interpret` rules.
-    """
-    start = rewriter.axiom(seed)
-    if _looks_around(rewriter.program):
-        return _step_by_step(rewriter, start, count)
-    return _at_once(rewriter, start, count)
-
-
-def interpreted(rewriter: Rewriter, string: String) -> String:
-    """The string with every `interpret` rule applied once."""
-    program = rewriter.program
-    numbers = {i: symbol.interpretation for i, symbol in enumerate(program.symbols)}
-    if not any(numbers[symbol] for symbol in string.tables if symbol >= 0):
-        return string
-    return _cut(program, _stepped(rewriter, string, numbers, None, keep=True))
-
-
-def _looks_around(program: ir.Program) -> bool:
-    cuts = _meaning(program, "cut")
-    return bool(cuts) or any(each.left or each.right for each in program.productions)
-
-
-def _meaning(program: ir.Program, op: str) -> list[int]:
-    """The symbols whose meaning has some instruction."""
-    return [
-        number
-        for number, symbol in enumerate(program.symbols)
-        if any(each.op == op for each in symbol.meaning or ())
-    ]
-
-
-def _at_once(rewriter: Rewriter, start: Block, count: int | None) -> String:
-    program = rewriter.program
-    done: list[list[_Rewritten]] = []
-    kept: list[Modules] = []
-    frontier = _sorted_out(program, modules(start.items), kept)
-    while frontier and (count is None or len(done) < count):
-        _check_steps(rewriter, len(done), frontier)
-        step: list[_Rewritten] = []
-        made: list[Modules] = []
-        for symbol in sorted(frontier):
-            parts = frontier[symbol]
-            batch = _batch(rewriter.bound, merged(parts))
-            numbers = program.symbols[symbol].productions
-            blocks = rewriter.step(batch, symbol, numbers, None, rewriter.stays)
-            step.append(_Rewritten(parts, batch.count, blocks))
-            for block in blocks:
-                made += modules(block.items)
-        done.append(step)
-        frontier = _sorted_out(program, made, kept)
-    for parts in frontier.values():
-        kept += parts
-    length = _find_places(start, done)
-    return _gathered(length, kept, len(done))
-
-
-def _sorted_out(
-    program: ir.Program, made: Iterable[Modules], kept: list[Modules]
-) -> dict[int, list[Modules]]:
-    """New modules by symbol where it has productions; the others go to `kept`."""
-    frontier: dict[int, list[Modules]] = {}
-    for part in made:
-        if part.count == 0:
-            continue
-        if part.symbol >= 0 and program.symbols[part.symbol].productions:
-            frontier.setdefault(part.symbol, []).append(part)
-        else:
-            kept.append(part)
-    return frontier
-
-
-def _batch(bound: Bound, table: Modules) -> Batch:
-    return Batch(bound, table.count, table.params, table.k0, table.k1, table.silent)
-
-
-def _find_places(start: Block, done: list[list[_Rewritten]]) -> int:
-    """Count leaves from the last step to the first, then hand places down; the string's length."""
-    for step in reversed(done):
-        for each in step:
-            count = np.empty(each.count, np.int64)
-            for block in each.blocks:
-                count[block.rows] = leaves(block.items, len(block.rows))
-            begin = 0
-            for part in each.parts:
-                part.leaves = count[begin : begin + part.count]
-                begin += part.count
-    length = int(leaves(start.items, 1)[0])
-    lay(start.items, np.zeros(1, np.int64))
-    for step in done:
-        for each in step:
-            place = np.concatenate([part.place for part in each.parts])
-            for block in each.blocks:
-                lay(block.items, place[block.rows])
-    return length
-
-
-def _gathered(length: int, kept: Iterable[Modules], steps: int) -> String:
-    parts: dict[int, list[Modules]] = {}
-    for each in kept:
-        parts.setdefault(each.symbol, []).append(each)
-    return String(length, {symbol: merged(parts[symbol]) for symbol in sorted(parts)}, steps)
-
-
-def _step_by_step(rewriter: Rewriter, start: Block, count: int | None) -> String:
-    program = rewriter.program
-    lay(start.items, np.zeros(1, np.int64))
-    string = _gathered(int(leaves(start.items, 1)[0]), modules(start.items), 0)
-    string = _cut(program, string)
-    numbers = {i: symbol.productions for i, symbol in enumerate(program.symbols)}
-    around = any(each.left or each.right for each in program.productions)
-    while count is None or string.steps < count:
-        live = [symbol for symbol in string.tables if symbol >= 0 and numbers[symbol]]
-        if not live:
-            break
-        _check_steps(rewriter, string.steps, live)
-        neighbours = Neighbours(program, string.length, string.tables) if around else None
-        string = _stepped(rewriter, string, numbers, neighbours, rewriter.stays)
-        string = _cut(program, string)
-    return string
-
-
-def _stepped(
-    rewriter: Rewriter,
-    string: String,
-    numbers: dict[int, tuple[int, ...]],
-    neighbours: Neighbours | None,
-    keep: bool,
-) -> String:
-    """The string with every module rewritten that `numbers` has productions for."""
-    length = np.ones(string.length, np.int64)
-    rewritten: list[tuple[Modules, list[Block]]] = []
-    static: list[Modules] = []
-    for symbol, table in string.tables.items():
-        if symbol < 0 or not numbers[symbol]:
-            static.append(table)
-            continue
-        match: Match | None = neighbours.of(table) if neighbours is not None else None
-        batch = _batch(rewriter.bound, table)
-        blocks = rewriter.step(batch, symbol, numbers[symbol], match, keep)
-        for block in blocks:
-            length[table.place[block.rows]] = leaves(block.items, len(block.rows))
-        rewritten.append((table, blocks))
-    ends = np.cumsum(length)
-    starts = ends - length
-    kept = list(static)
-    for table in static:
-        table.place = starts[table.place]
-    for table, blocks in rewritten:
-        for block in blocks:
-            lay(block.items, starts[table.place[block.rows]])
-            kept += modules(block.items)
-    total = int(ends[-1]) if len(ends) else 0
-    return _gathered(total, (each for each in kept if each.count), string.steps + 1)
-
-
-def _cut(program: ir.Program, string: String) -> String:
-    """The string without each `cut` and what follows it in its branch."""
-    first = _placed(program, string, "cut")
-    if not len(first):
-        return string
-    branches = Branches(string.length, string.places(OPEN), string.places(CLOSE))
-    end = branches.ends()[branches.branch()[branches.place[first + 1]]]
-    change = np.bincount(first, minlength=string.length + 1)
-    change = change - np.bincount(end, minlength=string.length + 1)
-    left = np.cumsum(change[:-1]) == 0
-    begins, closes = _braces(program, string)
-    left[closes] = left[begins]  # what stays open of a polygon must close
-    place = np.cumsum(left) - 1
-    tables = {}
-    for symbol, table in string.tables.items():
-        rows = np.flatnonzero(left[table.place])
-        if len(rows):
-            tables[symbol] = _some(table, rows)
-            tables[symbol].place = place[tables[symbol].place]
-    return String(int(left.sum()), tables, string.steps)
-
-
-def _placed(program: ir.Program, string: String, op: str) -> Whole:
-    """Where the symbols stand whose meaning has some instruction."""
-    return np.concatenate([string.places(OPEN)[:0], *map(string.places, _meaning(program, op))])
-
-
-def _braces(program: ir.Program, string: String) -> tuple[Whole, Whole]:
-    """Where each polygon opens and where it closes, pair by pair."""
-    opens = np.sort(_placed(program, string, "polygon_open"))
-    closes = np.sort(_placed(program, string, "polygon_close"))
-    places = np.concatenate((opens, closes))
-    order = np.argsort(places)
-    opening = order < len(opens)
-    nest = np.cumsum(np.where(opening, 1, -1)) + ~opening
-    pairs = places[order][np.argsort(nest, kind="stable")]
-    return pairs[::2], pairs[1::2]
-
-
-def _some(table: Modules, rows: Whole) -> Modules:
-    params = tuple(v[rows] if isinstance(v, np.ndarray) and v.ndim else v for v in table.params)
-    keyed = len(table.k0) > 0
-    return Modules(
-        table.symbol,
-        len(rows),
-        params,
-        table.k0[rows] if keyed else table.k0,
-        table.k1[rows] if keyed else table.k1,
-        table.rule[rows] if isinstance(table.rule, np.ndarray) and table.rule.ndim else table.rule,
-        None if table.silent is None else table.silent[rows],
-        place=table.place[rows],
-    )
-
-
-def _check_steps(rewriter: Rewriter, done: int, frontier: Iterable[int]) -> None:
-    limits = rewriter.budget.limits
-    bound, kind = min((limits.steps, "steps"), (limits.depth, "depth"))
-    if done < bound:
-        return
-    program = rewriter.program
-    number = program.symbols[min(frontier)].productions[0]
-    raise fail(
-        f"limit-{kind}",
-        f"the derivation stopped at its limit of {bound:,} {'steps' if kind == 'steps' else 'deep'}:"
-        f" {told(program, program.productions[number])} still applies",
-        hint="a guard or `steps` ends the growth; `limit steps` raises the limit",
-    )
 
 
 def derive_string(
@@ -294,16 +32,16 @@ def derive_string(
 
     Raises IpmError where a limit is reached, no production applies, or a number is not finite.
     """
-    from ipmlang.runtime.assemble import scene
-    from ipmlang.runtime.draw import drawn
-    from ipmlang.runtime.interpret import stream
-    from ipmlang.runtime.turtle import Turtle
-
-    rewriter, string = _derived(program, attrs, seed, limits)
-    acts = stream(rewriter.bound, interpreted(rewriter, string))
-    rows, polygons = drawn(program, acts, Turtle(program, acts))
-    shapes = rewriter.budget.shapes
-    return scene(program, rows, polygons, seed=seed, generations=string.steps, shapes=shapes)
+    rewriter = begun(program, attrs, limits)
+    with np.errstate(all="ignore"):  # what is not finite is an error, not a warning
+        string = derived(rewriter, seed, steps_of(rewriter.bound, seed))
+        final = interpreted(rewriter, string)
+        rewriter.budget.walk(final.length)
+        acts = stream(rewriter.bound, final)
+        rows, polygons = drawn(program, acts, Turtle(program, acts))
+    return scene(
+        program, rows, polygons, seed=seed, generations=string.steps, shapes=rewriter.budget.shapes
+    )
 
 
 def derive_modules(
@@ -312,7 +50,9 @@ def derive_modules(
     """The string after the last step, before `interpret` rules: names with arguments, brackets as
     `[` and `]`.
     """
-    _, string = _derived(program, attrs, seed, limits)
+    rewriter = begun(program, attrs, limits)
+    with np.errstate(all="ignore"):
+        string = derived(rewriter, seed, steps_of(rewriter.bound, seed))
     found: list[tuple[str, tuple[float, ...]]] = [("", ())] * string.length
     for symbol, table in string.tables.items():
         name = {OPEN: "[", CLOSE: "]"}.get(symbol) or program.symbols[symbol].name
@@ -323,14 +63,13 @@ def derive_modules(
     return found
 
 
-def _derived(
-    program: ir.Program, attrs: Sequence[float], seed: int, limits: ir.Limits
-) -> tuple[Rewriter, String]:
-    rewriter = Rewriter(Bound(program, attrs, FUNCTIONS), Budget(limits))
-    return rewriter, derived(rewriter, seed, _steps(rewriter.bound, seed))
+def begun(program: ir.Program, attrs: Sequence[float], limits: ir.Limits) -> Rewriter:
+    """A program with its attributes' values, and nothing made yet."""
+    return Rewriter(Bound(program, attrs, FUNCTIONS), Budget(limits))
 
 
-def _steps(bound: Bound, seed: int) -> int | None:
+def steps_of(bound: Bound, seed: int) -> int | None:
+    """How many steps the program wants, None for as many as it takes."""
     if bound.program.steps is None:
         return None
     instructions, register = bound.program.steps

@@ -1,12 +1,14 @@
 """The turtle: its frame and pen at every place of a stream of acts.
 
-In goes a stream, out come the states that drawing acts find. Each part of the state is one scan over
-the branches: scale and handedness as products, headings as sums of angles in the plane and as
+In goes a stream, out come the states that drawing acts find. Each part of the state is one scan
+over the branches: scale and handedness as products, headings as sums of angles in the plane and as
 products of quaternions in space, places as sums of turned moves, pens as the last that was set.
 Levelling and tropism look at the heading itself and so go in lockstep. Makes no scene.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import numpy as np
 
@@ -14,12 +16,26 @@ from ipmlang.compiler import ir
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.runtime import scan
 from ipmlang.runtime.branches import Branches, Path
+from ipmlang.runtime.choose import told
 from ipmlang.runtime.interpret import Act, Stream
 from ipmlang.runtime.scan import Columns, Frames, Real, Whole
 from ipmlang.runtime.values import Value
 
 UPRIGHT = (0.5, 0.5, -0.5, 0.5)  # heading +z, left -x, up -y
 LEVEL, BEND = 1.0, 2.0
+
+
+def _check_factors(program: ir.Program, act: Act) -> None:
+    factors = np.broadcast_to(act.args[0], (len(act.at),))
+    bad = np.flatnonzero(~(factors > 0))
+    if len(bad):
+        numbers = np.broadcast_to(act.modules.rule, (act.modules.count,))
+        number = int(numbers[bad[0] if act.rows is None else act.rows[bad[0]]])
+        production = program.axiom if number < 0 else program.productions[number]
+        raise fail(
+            "scale-not-positive",
+            f"{told(program, production)}: `*` needs a factor above 0, and got {factors[bad[0]]:g}",
+        )
 
 
 class Turtle:
@@ -79,10 +95,9 @@ class Turtle:
             column[path.rows(act.at)] = value
         return path.resolve((column,), None)[0][path.rows(at)]
 
-    def _sums(self, acts: list[Act], value: object) -> tuple[Path, Real]:
+    def _sums(self, acts: list[Act], value: Callable[[Act], Value]) -> tuple[Path, Real]:
         path = Path(self._branches, [act.at for act in acts])
         column = np.zeros(path.count)
-        assert callable(value)
         for act in acts:
             column[path.rows(act.at)] = value(act)
         path.resolve((column,), lambda part, rows: (scan.running_sum(part[0], rows),))
@@ -92,8 +107,8 @@ class Turtle:
         path = Path(self._branches, [act.at for act in acts])
         column = np.ones(path.count)
         for act in acts:
-            if act.op == "scale" and not (np.asarray(act.args[0]) > 0).all():
-                raise fail("scale-not-positive", "`*` needs a factor above 0")
+            if act.op == "scale":
+                _check_factors(self._program, act)
             column[path.rows(act.at)] = act.args[0] if act.op == "scale" else -1.0
         path.resolve((column,), lambda part, rows: (scan.running_product(part[0], rows),))
         return path, column
@@ -133,7 +148,9 @@ class Turtle:
             path.resolve(own, lambda part, rows: scan.scan(part, rows, scan.quaternion_product))
             return scan.normalised(own)
         hand = self._hands(acts, path)
-        path.resolve((*own, kind, hand), lambda part, rows: scan.lockstep(part, rows, self._bent, None))
+        path.resolve(
+            (*own, kind, hand), lambda part, rows: scan.lockstep(part, rows, self._bent, None)
+        )
         return scan.normalised(own)
 
     def _hands(self, acts: list[Act], path: Path) -> Real:
@@ -196,7 +213,9 @@ class Turtle:
         length = np.sqrt(ax * ax + ay * ay + az * az)
         half = elasticity * length / 2
         factor = np.divide(np.sin(half), length, out=zero, where=length > 1e-12)
-        return scan.quaternion_product((np.cos(half), ax * factor, ay * factor, az * factor), rotation)
+        return scan.quaternion_product(
+            (np.cos(half), ax * factor, ay * factor, az * factor), rotation
+        )
 
     def _positions(self) -> Real:
         """Places after each move, (n, 2) in the plane, else (n, 3)."""

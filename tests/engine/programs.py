@@ -37,7 +37,9 @@ class _Writer:
         register = self.value(expr, out)
         return tuple(out), register
 
-    def body(self, elements: list[oracle.Element], number: dict[str, int]) -> tuple[ir.Instruction, ...]:
+    def body(
+        self, elements: list[oracle.Element], number: dict[str, int]
+    ) -> tuple[ir.Instruction, ...]:
         out: list[ir.Instruction] = []
         for element in elements:
             match element[0]:
@@ -158,6 +160,8 @@ def _patterns(names: list, number: dict[str, int], system: oracle.System) -> tup
     return tuple(
         ir.Pattern(-1, branch=_patterns(name, number, system))
         if isinstance(name, list)
-        else ir.Pattern(-1 if name == "*" else number[name], 0 if name == "*" else system.arity[name])
+        else ir.Pattern(
+            -1 if name == "*" else number[name], 0 if name == "*" else system.arity[name]
+        )
         for name in names
     )

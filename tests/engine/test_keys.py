@@ -26,7 +26,9 @@ def test_known_answers_never_change() -> None:
 
 
 @given(st.lists(st.tuples(WORD, WORD, WORD), min_size=1, max_size=20), WORD)
-def test_batches_and_single_numbers_have_the_same_bits(rows: list[tuple[int, int, int]], site: int) -> None:
+def test_batches_and_single_numbers_have_the_same_bits(
+    rows: list[tuple[int, int, int]], site: int
+) -> None:
     k0, k1, index = (words(list(column)) for column in zip(*rows, strict=True))
     with warnings.catch_warnings():
         warnings.simplefilter("error")

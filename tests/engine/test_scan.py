@@ -13,7 +13,8 @@ from ipmlang.runtime import scan
 
 LENGTHS = st.lists(
     st.one_of(st.integers(0, 9), st.sampled_from([127, 128, 129, 300, 2100])),
-    min_size=1, max_size=6,
+    min_size=1,
+    max_size=6,
 )
 
 

@@ -8,15 +8,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ipmlang.compiler import ir
-from ipmlang.compiler.diagnostics import IpmError
 from ipmlang.runtime.scene import OUTLINE, SEGMENT, Scene
 from ipmlang.runtime.strings import derive_modules, derive_string
 from tests import oracle_strings as oracle
 from tests.engine.programs import program
 
 ARITY = {
-    "A": 1, "B": 2, "C": 0, "F": 1, "f": 1, "+": 1, "-": 1, "&": 1, "^": 1, "\\": 1, "/": 1, "at": 2,
-    "*": 1, "mirror": 0, "$": 0, "!": 1, "layer": 1, "{": 0, "}": 0, "vertex": 0, "cut": 0, "asset": 0,
+    "A": 1, "B": 2, "C": 0, "F": 1, "f": 1, "+": 1, "-": 1, "&": 1, "^": 1, "\\": 1, "/": 1,
+    "at": 2, "*": 1, "mirror": 0, "$": 0, "!": 1, "layer": 1, "{": 0, "}": 0, "vertex": 0,
+    "cut": 0, "asset": 0,
 }  # fmt: skip
 PLANAR = ["F", "f", "+", "-", "at", "*", "mirror", "!", "layer", "asset", "vertex"]
 SOLID = [*PLANAR, "&", "^", "\\", "/", "$"]
@@ -24,7 +24,9 @@ NUMBER = st.sampled_from([0.0, 0.5, 1.0, 2.0, 90.0, 25.7, -3.0])
 
 
 @st.composite
-def expressions(draw: st.DrawFn, params: int, copies: tuple[int, ...], depth: int = 0) -> oracle.Expr:
+def expressions(
+    draw: st.DrawFn, params: int, copies: tuple[int, ...], depth: int = 0
+) -> oracle.Expr:
     kinds = ["number", "number"] + ["p"] * bool(params) + ["index"] * bool(copies)
     kind = draw(st.sampled_from([*kinds, "uniform"] + ["add", "mul", "sub"] * (depth < 2)))
     match kind:
@@ -144,11 +146,13 @@ def agree(scene: Scene, rows: list, polygons: list) -> None:
 def matrix(found: object, row: int) -> np.ndarray:
     w, x, y, z = found.rotation[row]  # type: ignore[attr-defined]
     scale = found.scale[row]  # type: ignore[attr-defined]
-    turn = np.array([
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ])
+    turn = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
     return abs(scale) * turn @ np.diag([np.sign(scale), 1, 1])
 
 

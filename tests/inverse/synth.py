@@ -69,6 +69,22 @@ def leaf(size: float = 10.0) -> Outline:
     return _outline(np.array([CUBIC, CUBIC, LINE]), coords * size, True)
 
 
+def compound(*parts: Outline) -> Outline:
+    """Several outlines as the subpaths of one."""
+    lengths = [len(part.kind) for part in parts]
+    return Outline(
+        np.concatenate([part.kind for part in parts]),
+        np.concatenate([part.coords for part in parts]),
+        (np.cumsum(lengths) - lengths).astype(np.int32),
+        np.concatenate([part.closed for part in parts]),
+    )
+
+
+def at(shape: Outline, x: float, y: float, angle: float = 0.0) -> Outline:
+    """The outline turned about the origin, then moved."""
+    return moved(shape, frames(np.array(complex(x, y)), angle))
+
+
 def row(count: int, step: tuple[float, float], start: tuple[float, float] = (0.0, 0.0)) -> Floats:
     """Equal steps."""
     index = np.arange(count)[:, None]

@@ -35,6 +35,7 @@ from ipmlang.formats.drawing import (
     PaintServer,
     Style,
 )
+from ipmlang.inverse.appearance import same_text
 from ipmlang.inverse.compare import Comparison, compare
 from ipmlang.inverse.lsystem.curves import moved
 from ipmlang.inverse.lsystem.frames import frames
@@ -251,6 +252,26 @@ def test_open_and_closed_strokes_differ() -> None:
     opened, closed = polygon(ends, closed=False), polygon(ends[:3])
     assert not shown(opened, closed, STROKED).agrees()
     assert shown(opened, closed, BLACK).agrees()
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "same"),
+    [
+        ("M0 0L1.5,2", "M0 0L1.50,2.0", True),
+        ("rotate(30 1 2)", "rotate(30.00000001 1 2)", True),
+        ("rotate(30 1 2)", "rotate(30.001 1 2)", False),
+        ("#999998", "#999999", False),
+        ("#99999998", "#99999999", False),
+        ("fill:#1e3a5f", "fill:#1e3a5f", True),
+        ("layer1234567", "layer1234568", False),
+        ("12px", "12.0px", True),
+    ],
+)
+def test_numbers_in_texts_have_a_tolerance_and_names_have_none(
+    one: str, other: str, same: bool
+) -> None:
+    """Texts agree word by word, their numbers within 1e-6."""
+    assert same_text(one, other) == same
 
 
 def test_another_canvas_differs() -> None:

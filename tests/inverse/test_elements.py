@@ -11,7 +11,9 @@ from hypothesis import strategies as st
 from inverse.synth import (
     BLACK,
     STROKED,
+    at,
     circle,
+    compound,
     copies,
     drawing,
     grid,
@@ -69,17 +71,15 @@ def test_one_class_whatever_the_placement(shape: Outline) -> None:
 
 
 def test_frames_are_those_of_the_arrangement() -> None:
-    """Relative to the first copy, frames are what placed the copies (y turned up)."""
+    """Relative to the first copy, frames are those that placed the copies, y turned up."""
     placed = scattered(20)
-    placed[0, 2:] = 0, 1, 1
+    hand = placed[:, 4].astype(np.int8)
+    wanted = frames(placed[:, 0] + 1j * (100 - placed[:, 1]), -placed[:, 2], placed[:, 3], hand)
     observed = seen(copies(leaf(), placed))
-    relative = compose(inverse(observed.frames[:1]), observed.frames)
-    wanted = frames(placed[:, 0] - 1j * placed[:, 1], -placed[:, 2], placed[:, 3])
-
-    np.testing.assert_allclose(relative.scale, wanted.scale, rtol=1e-7)
-    assert relative.handedness.tolist() == placed[:, 4].astype(int).tolist()
-    turns = (relative.angle - wanted.angle + 180) % 360 - 180
-    np.testing.assert_allclose(turns, 0, atol=1e-5)
+    steps = compose(observed.frames, inverse(observed.frames[:1]))
+    true = compose(wanted, inverse(wanted[:1]))
+    assert steps.handedness.tolist() == true.handedness.tolist()
+    np.testing.assert_allclose(steps.factor, true.factor, atol=1e-8)
 
 
 @pytest.mark.parametrize("first", [0, 1, 2])
@@ -237,6 +237,55 @@ def test_random_shapes_neither_split_nor_merge(seed: int, corners: int, closed: 
     assert (observed.shape.reshape(5, 40) == np.arange(40)).all()
 
 
+WASHER = compound(circle(5, 4), circle(3, 4))
+GEAR = compound(star(8), circle(1, 4))
+FACE = compound(circle(5, 4), at(circle(1), 2, 2), at(circle(1), -2, 2), at(rectangle(3, 1), 0, -2))
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "order", "mirrored"),
+    [
+        (WASHER, compound(circle(3, 2, 0.4), circle(5, 3, 0.1)), 0, True),
+        (GEAR, compound(circle(1, 2, 0.5), at(star(8), 0, 0, 45)), 8, True),
+        (
+            FACE,
+            compound(
+                circle(5),
+                at(circle(1), -2, 2),
+                at(rectangle(3, 1), 0, -2, 180),
+                at(circle(1), 2, 2),
+            ),
+            1,
+            True,
+        ),
+        (compound(at(line(4), -2, 0), at(line(4), 0, -2, 90)),) * 2 + (4, True),
+        (compound(at(leaf(1), 3, 0), at(leaf(1), -3, 0, 180)),) * 2 + (2, False),
+    ],
+    ids=["washer", "gear", "face", "cross", "pair"],
+)
+def test_compounds_are_matched_part_by_part(
+    one: Outline, other: Outline, order: int, mirrored: bool
+) -> None:
+    """The order and starts of subpaths do not matter, and parts may change places."""
+    observed = seen(copies(one, scattered(5)), copies(other, scattered(5, 2)))
+    assert len(observed.classes) == 1
+    symmetry = observed.classes[0].symmetry
+    assert symmetry.order == order
+    assert (symmetry.axis is not None) == mirrored
+    every = alternatives(observed.frames, symmetry)
+    for column in range(every.x.shape[1]):
+        again = rebuilt(replace(observed, frames=every[:, column]))
+        assert compare(observed.drawing, again).agrees(3e-7)
+
+
+def test_other_compounds_are_other_classes() -> None:
+    """The same parts in another arrangement are another shape."""
+    one = compound(at(leaf(2), 0, 0), at(leaf(2), 5, 0))
+    other = compound(at(leaf(2), 0, 0), at(leaf(2), 5, 0.01))
+    observed = seen(copies(one, row(2, (20, 0))), copies(other, row(2, (0, 20), (0, 20))))
+    assert len(observed.classes) == 2
+
+
 def test_ellipses_by_proportion() -> None:
     """Circles of all sizes and cuts are one class, each other proportion is one more."""
     oval = circle(1.0)
@@ -312,3 +361,21 @@ def test_moving_an_outline_and_back() -> None:
     back = moved(moved(shape, turned[0]), inverse(turned)[0])
     np.testing.assert_allclose(back.coords, shape.coords, atol=1e-12)
     assert len(identity(0)) == 0
+
+
+def test_copies_of_lines_stay_together_among_similar_lengths() -> None:
+    """Eight copies of each of many lines, rounded as files are: copies share a class, though other
+    lengths lie as near as the tolerance.
+    """
+    random = np.random.default_rng(5)
+    ends = np.cumsum(random.uniform(1.5e-4, 9e-4, 200)) + 5
+    elements = [
+        element
+        for _ in range(8)
+        for end in ends + random.uniform(-1e-5, 1e-5, 200)
+        for element in copies(line(float(end)), scattered(1))
+    ]
+    observed = observe(drawing(elements, (0, 0, 600, 800)))
+    shape = observed.shape.reshape(8, 200)
+    assert observed.tolerance == pytest.approx(2e-4)
+    assert (shape == shape[0]).all()

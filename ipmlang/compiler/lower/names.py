@@ -45,8 +45,10 @@ class Unit:
         return Path(self.source.path).parent
 
     def line(self, item: int) -> int:
-        """The line, from 1, on which an item starts."""
-        return self.source.place(self._offset(item))[0]
+        """The line, from 1, on which an item starts, comments above it apart."""
+        items = self.grammar.items
+        lead = items[item].span.start if 0 <= item < len(items) else 0
+        return self.source.place(self._offset(item) + lead)[0]
 
     def diagnostic(
         self, item: int, span: ast.Span, code: str, message: str, hint: str | None = None

@@ -18,5 +18,5 @@ TABLE = (
              "tile(4, 3, by: (2.4, 0, 0), (0, 0, 3.1)) { 11: corner | 21: bottom | 22: bay }"),
             ("tile(4) { 1: corner }", "tile(4, by: (1, 0, 0)) { 5: corner }",
              "tile(4, by: (1, 0, 0))"),
-            family="docking", effect="structure", labels=("*",)),
+            family="docking", effect="structure", labels=("*123",)),
 )  # fmt: skip

@@ -65,12 +65,15 @@ TABLE = (
         ('css("stroke-dasharray:2 1") F',),
         ("css", "css(3)"),
     ),
-    _pen(
+    Operation(
         "effect",
-        "string",
-        "Wrap the run in a group of a parts file, with its clipping, mask or filter.",
-        ('effect("fence.parts.svg#g1") F',),
-        ("effect", "effect(1)"),
+        "pen",
+        "pen",
+        "Wrap the run in a group of a parts file, with its clipping, mask or filter: "
+        '`effect("fence.parts.svg#g1")`.',
+        forms=((Param("value", "string", suffixes=(".svg",)),),),
+        meaning=((Step("pen", ("value",), "effect"),),),
+        refused=("effect", "effect(1)", 'effect("nowhere.parts.svg#g1")'),
     ),
     _pen(
         "material",

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from ipmlang.compiler.ops.record import Family, Param, Query, ValueType
 
+HERE = "here"  # `here.mask` is the context `mask` where the walker stands, not where it goes
 _LABEL = (Param("label", "any", optional=True),)
 
 

@@ -25,6 +25,7 @@ class Param:
     """One parameter: name, type, whether it may be left out, only by name, or repeated at the end.
 
     `above`: a literal must be greater than this. `words`: the texts or bare words it may be.
+    `suffixes`: it names a file beside the grammar, of one of these kinds.
     """
 
     name: str
@@ -34,6 +35,7 @@ class Param:
     many: bool = False
     above: float | None = None
     words: tuple[str, ...] = ()
+    suffixes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +56,7 @@ class Operation:
     `forms`: parameter lists it accepts, tried in order (most have one). `defaults`: what an omitted
     parameter takes: a number, or a turtle setting's name (`angle`, `step`, `width`).
     `meaning`: IR steps per form, same order as `forms`; empty when no executor runs it yet.
-    `labels`: None when it takes no braces, else the labels its parts may bear ("*": any number, "#":
+    `labels`: None when it takes no braces, else the labels its parts may bear ("*": any number, "*123": one of these digits alone, "#":
     any name, '""': any text, "": parts without label). `bare`: the braces may be left out. `axes`: words that may follow the name (split x).
     `effect`: motion and pen leak out of a rule, scope ends with the body.
     `leaves_plane`: it can leave z = 0 (makes a program 3-D).

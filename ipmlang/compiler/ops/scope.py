@@ -99,7 +99,8 @@ FLOW = (
 
 LOOK = (
     planned("texture", "Set the texture of what is drawn: an image beside the grammar.",
-            ((Param("file", "string"),),), ('texture("brick.png") Wall',), ("texture(1)",),
+            ((Param("file", "string", suffixes=(".png", ".jpg", ".jpeg")),),), (),
+            ("texture(1)", 'texture("nowhere.png") Wall'),
             family="pen", effect="pen"),
     planned("setupProjection", "Lay texture coordinates on the scope's plane, tiles of the given size.",
             ((words("plane", "xy", "xz", "yz"), Param("width"), Param("height")),),

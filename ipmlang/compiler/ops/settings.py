@@ -23,3 +23,8 @@ TABLE = (
     SettingRecord("limit", "memory", "int", "Most bytes, beyond what the process had at its start.",
                   8e9, above=0),
 )  # fmt: skip
+
+VERSIONS = (1,)
+CANVAS_NUMBERS = 4
+DIRECTIONS = ("uniform", "up", "down")  # `start … direction`: where walkers first look
+AVOIDABLE = ("collisions",)  # `start … avoiding`

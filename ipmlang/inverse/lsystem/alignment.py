@@ -129,9 +129,18 @@ def find_symmetries(models: Complexes, freedom: Freedom, tolerances: Floats) -> 
                 freedom.step,
                 float(tolerances[number]),
             )
-            order = _order(np.array(turns[0]))
-            result[number] = dihedral(order, _axis(turns[1], order) if turns[1] else None)
+            result[number] = symmetry_of_turns(*turns)
     return result
+
+
+def symmetry_of_turns(turns: list[float], mirrors: list[float]) -> Symmetry:
+    """The group with these rotations and mirrored frames, angles in degrees, as measured.
+
+    >>> symmetry_of_turns([0.0, 180.0000001], []).stabiliser.angle.tolist()
+    [0.0, 180.0]
+    """
+    order = _order(np.array(turns))
+    return dihedral(order, _axis(mirrors, order) if mirrors else None)
 
 
 def _proven_turns(

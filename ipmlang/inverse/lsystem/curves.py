@@ -106,6 +106,17 @@ def _arc(p: Complexes, t: Floats) -> Complexes:
     return p[:, :1] + p[:, 1:2] * np.cos(angle) + p[:, 2:3] * np.sin(angle)
 
 
+def diagonal_of(box: tuple[float, float, float, float] | None, curves: Curves) -> float:
+    """The unit of tolerances: the diagonal of the viewBox, else of what is drawn, else 1."""
+    if box is not None and 0 < np.hypot(box[2], box[3]) < np.inf:
+        return float(np.hypot(box[2], box[3]))
+    along = evaluate(curves.kind, curves.points, np.linspace(0.0, 1.0, 5)).ravel()
+    along = along[np.isfinite(along)]
+    if not len(along):
+        return 1.0
+    return float(np.hypot(np.ptp(along.real), np.ptp(along.imag))) or 1.0
+
+
 def moved(outline: Outline, frame: Frames) -> Outline:
     """The outline under one frame (arrays of shape (1,) or ()), handedness included."""
     position, factor = frame.position.reshape(()), frame.factor.reshape(())

@@ -14,6 +14,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from ipmlang.formats.drawing import LINE, Outline
+from ipmlang.inverse.lsystem.compounds import PartClass, Parts, merge_compounds
 from ipmlang.inverse.lsystem.curves import (
     Booleans,
     Curves,
@@ -22,9 +23,10 @@ from ipmlang.inverse.lsystem.curves import (
     full_ellipse,
     outline_at,
     segment_line,
+    stack,
 )
 from ipmlang.inverse.lsystem.ellipses import Ellipses, find_ellipses
-from ipmlang.inverse.lsystem.frames import Complexes, Floats, Frames, apply, frames, unit
+from ipmlang.inverse.lsystem.frames import Complexes, Floats, Frames, apply, frames, join, unit
 from ipmlang.inverse.lsystem.shapes import Group, group_paths
 from ipmlang.inverse.lsystem.symmetry import Symmetry, dihedral, of_line, simplest, trivial
 
@@ -73,10 +75,60 @@ def group_elements(
     for fixed in (False, True):
         found += _lines(curves, np.flatnonzero(line & (directed == fixed)), fixed, tolerance)
     found += _ellipses(ellipses, np.flatnonzero(ellipse), tolerance)
-    for group in group_paths(curves, path, _layouts(outlines), directed, tolerance):
+    groups = group_paths(curves, path, _layouts(outlines), directed, tolerance)
+    for group in _by_parts(groups, curves, outlines, directed, tolerance):
         found.append(_path(group, curves, outlines[group.model], decimals, directed))
     found += _points(curves, outlines, np.flatnonzero(point), directed)
     return sorted(found, key=lambda each: int(each.members[0]))
+
+
+def _by_parts(
+    groups: list[Group],
+    curves: Curves,
+    outlines: Sequence[Outline],
+    directed: Booleans,
+    tolerance: float,
+) -> list[Group]:
+    """The groups, those of several subpaths matched by their parts."""
+    several = [each for each in groups if curves.subpaths[each.model] > 1]
+    several = [each for each in several if not directed[each.model]]
+    if not several:
+        return groups
+    split = [
+        _subpaths(outline_at(curves, each.model, outlines[each.model], 0j)) for each in several
+    ]
+    parts = [part for group in split for part in group]
+    free = np.zeros(len(parts), np.bool_)
+    found = group_elements(parts, stack(parts), free, tolerance / 8)
+    order = np.argsort(np.concatenate([each.members for each in found]))
+    shape = np.repeat(np.arange(len(found)), [len(each.members) for each in found])[order]
+    placed = join([each.frames for each in found])[order]
+    ends = np.cumsum([len(group) for group in split])
+    spans = [slice(int(end) - len(group), int(end)) for end, group in zip(ends, split, strict=True)]
+    classes = [
+        PartClass(each.symmetry, each.radius, each.radius / 2 if each.kind == "line" else 0j)
+        for each in found
+    ]
+    merged = merge_compounds(
+        several, [Parts(shape[span], placed[span]) for span in spans], classes, tolerance
+    )
+    replaced = {id(each) for each in several}
+    return [each for each in groups if id(each) not in replaced] + merged
+
+
+def _subpaths(outline: Outline) -> list[Outline]:
+    """The subpaths as outlines of their own."""
+    ends = np.append(outline.starts[1:], len(outline.kind))
+    spans = zip(outline.starts.tolist(), ends.tolist(), outline.closed, strict=True)
+    return [
+        Outline(
+            outline.kind[start:end],
+            outline.coords[start:end],
+            np.zeros(1, np.int32),
+            np.array([closed]),
+        )
+        for start, end, closed in spans
+    ]
 
 
 def _extent(curves: Curves) -> Floats:
@@ -130,31 +182,27 @@ def _snapped_angle(step: Complexes, tolerance: float) -> tuple[Floats, Floats]:
 
 def _by_value(values: Floats, slack: Floats) -> list[tuple[Integers, float]]:
     """Parts of ascending positions whose values lie within their slack of one number, which is the
-    shortest decimal that does.
+    shortest decimal that does. Cuts are made at the widest gaps, so that equal values with the
+    noise of rounding stay together.
     """
+    if not len(values):
+        return []
     order = np.argsort(values, kind="stable")
-    lows, highs = values[order] - slack[order], values[order] + slack[order]
-    parts, start = [], 0
-    while start < len(order):
-        end = start + _shared(lows, highs, start)
-        part = np.sort(order[start:end])
-        parts.append((part, _round_number(values[part])))
-        start = end
+    value = values[order]
+    lows, highs = value - slack[order], value + slack[order]
+    reach = np.maximum.accumulate(highs)
+    bounds = np.flatnonzero(np.concatenate([[True], lows[1:] > reach[:-1]]))
+    ends = np.append(bounds[1:], len(order))
+    parts, todo = [], list(zip(bounds.tolist(), ends.tolist(), strict=True))[::-1]
+    while todo:
+        start, end = todo.pop()
+        if end - start == 1 or lows[start:end].max() <= highs[start:end].min():
+            part = np.sort(order[start:end])
+            parts.append((part, _round_number(values[part])))
+        else:
+            cut = start + 1 + int(np.argmax(np.diff(value[start:end])))
+            todo += [(cut, end), (start, cut)]
     return parts
-
-
-def _shared(lows: Floats, highs: Floats, start: int) -> int:
-    """How many intervals from `start` on have a number in common, at least 1."""
-    window = 32
-    while True:
-        low = np.maximum.accumulate(lows[start : start + window])
-        high = np.minimum.accumulate(highs[start : start + window])
-        apart = np.flatnonzero(low > high)
-        if len(apart):
-            return max(1, int(apart[0]))
-        if start + window >= len(lows):
-            return len(lows) - start
-        window *= 4
 
 
 def _round_number(values: Floats) -> float:

@@ -259,7 +259,7 @@ def _proven(
     fits = (error <= limit) | (candidates == lead)
     order = np.flatnonzero(fits)[np.argsort(candidates[fits])]
     members = candidates[order]
-    usual = _most_usual(members, placed.scale[order])
+    usual = _most_usual(members, placed.scale[order], lead)
     if usual != lead:
         model = batch.points[usual] - batch.points[usual].mean()
         again = align(model, batch.points[members], batch.freedom, limit)
@@ -268,7 +268,10 @@ def _proven(
     return fits, _Cluster(members, lead, placed[order], error[order])
 
 
-def _most_usual(members: Integers, scale: Floats) -> int:
-    """The first member among those of the most frequent scale."""
+def _most_usual(members: Integers, scale: Floats, lead: int) -> int:
+    """The lead if its scale is as frequent as any, else the first member of the most frequent."""
     _, which, often = np.unique(np.round(np.log(scale), 6), return_inverse=True, return_counts=True)
-    return int(members[np.argmax(often[which.ravel()])])
+    frequency = often[which.ravel()]
+    if frequency[np.searchsorted(members, lead)] == frequency.max():
+        return lead
+    return int(members[np.argmax(frequency)])

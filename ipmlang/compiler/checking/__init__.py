@@ -1,0 +1,1 @@
+"""The checker's subjects, one file each; `compiler/check.py` puts them together."""

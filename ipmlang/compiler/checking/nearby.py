@@ -1,0 +1,53 @@
+"""Terminals that nothing defines and whose name is one letter off a name that something has.
+
+Names are compared by what is left when one letter is taken out, so that the time is linear in the
+length of all names. Names that differ in a digit (`leaf_1`, `leaf_2`) are meant to differ.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+SHORTEST = 4
+
+
+def near_misses(terminals: Iterable[str], known: Iterable[str]) -> Mapping[str, str]:
+    """For each terminal that is one letter off a known name, that name."""
+    wanted = [name for name in terminals if len(name) >= SHORTEST]
+    if not wanted:
+        return {}
+    index: dict[str, list[str]] = {}
+    for name in sorted(known):
+        if len(name) >= SHORTEST:
+            for left in _without_one(name):
+                index.setdefault(left, []).append(name)
+    found: dict[str, str] = {}
+    for name in wanted:
+        close = [
+            other for left in _without_one(name) for other in index.get(left, ())
+            if other != name and is_slip(name, other)
+        ]  # fmt: skip
+        if close:
+            found[name] = min(close)
+    return found
+
+
+def _without_one(name: str) -> list[str]:
+    return [name, *(name[:place] + name[place + 1 :] for place in range(len(name)))]
+
+
+def is_slip(first: str, second: str) -> bool:
+    """Whether two names differ by one letter left out, added, changed, or swapped with its
+    neighbour, and that letter is no digit."""
+    start = 0
+    while start < min(len(first), len(second)) and first[start] == second[start]:
+        start += 1
+    end = 0
+    most = min(len(first), len(second)) - start
+    while end < most and first[-1 - end] == second[-1 - end]:
+        end += 1
+    left, right = first[start : len(first) - end], second[start : len(second) - end]
+    if any(char.isdigit() for char in left + right):
+        return False
+    swapped = len(left) == 2 and left == right[::-1]
+    return swapped or max(len(left), len(right)) == 1

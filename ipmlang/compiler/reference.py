@@ -1,0 +1,171 @@
+"""The operation table as the language reference: one Markdown page, and one entry for hover and help.
+
+In go records, out comes text; `python -m ipmlang.compiler.reference` writes stdlib/REFERENCE.md. What
+is not said by a record (the meaning of rules, shapes and files) is said in the page's opening lines.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from ipmlang.compiler.checking.arguments import signature
+from ipmlang.compiler.ops import (
+    ALL_OPERATIONS,
+    CONSTANTS,
+    FUNCTIONS,
+    OPERATIONS,
+    OPERATORS,
+    PREFIXES,
+    QUERIES,
+    SETTINGS,
+)
+from ipmlang.compiler.ops.record import Family, Function, Operation, Query, SettingRecord
+
+FAMILIES: dict[Family, str] = {
+    "turtle": "The turtle",
+    "pen": "The pen",
+    "scope": "The scope",
+    "split": "Splitting",
+    "solid": "Solids",
+    "docking": "Docking",
+    "marching": "Marching",
+}
+
+ITEMS = {
+    "ipm 1": "The language version, and with it the random scheme. The first line of a file.",
+    'import "std/plants" as p': "Another file: of the standard library, or beside this one. Its names "
+    "are `p.Leaf`; without `as` the last word of the path goes in front.",
+    'asset win = "house.glb#window_2"': "Terminal geometry from an svg, glb, obj, ply or stl file, by "
+    "node or id.",
+    'asset A, B in "x.parts.svg"': "Several at once: the ids are the names.",
+    'table T = "x.parts.svg#T"': "Rows of named columns in a parts file.",
+    "table T(x, y) = (1, 2), (3, 4)": "The same written out.",
+    'surface wall = "statue.obj" atlas 1024': "A surface to march on.",
+    'context mask = "mask.png"': "A texture that rules can ask; `: scalar` and `: vector` fields too.",
+    'attr floors : int = 6 in 1..60 "storeys"': "What a user may set: type (int, float, bool, string), "
+    "default, range or `{ … }` choices, meaning.",
+    "const module = 2.4": "A value.",
+    "fn bays(w) = max(1, floor(w / module))": "A pure function.",
+    "turtle angle 25.7 step 1": "What the turtle takes where a rule says nothing.",
+    "limit shapes 2000000 depth 1000": "Where a derivation stops with an error.",
+    "tropism (0, 0, -1) 0.22": "What bends segments, and how strongly.",
+    "ignore + - F": "Symbols that contexts look through.",
+    'canvas (0, 0, 640, 480) width "10in"': "The sheet of a drawing: lower left corner and size.",
+    "axes y-up": "The up axis that OBJ, STL and PLY are written with.",
+    'site S1 = "castle.glb#S1" radius 0.26': "A docking site.",
+    "Head(a, b) : guard : 30% --> body": "A rule. The guard, the percentage or `weight w`, and the "
+    "parameters may be left out; `else` is taken when it is reached. `A < B(x) > C` looks at what "
+    "stands before and behind; a string above is its documentation.",
+    "interpret Leaf --> F(1)": "A rule that is applied once, when the derivation is done.",
+    "start Lot on box(8, 11, 0) steps 7": "The axiom, what it stands on, and for how many steps rules "
+    "apply; without `steps` until none applies.",
+}  # fmt: skip
+
+OPENING = """\
+# Language reference
+
+Every operation, function and setting of ipm, version 1. This page is made from the tables in
+`ipmlang/compiler/ops` by `python -m ipmlang.compiler.reference`; what is wrong in it is wrong there.
+
+Angles are degrees, lengths are the file's units. `[x]` may be left out; `x, …` may be repeated.
+Comparisons snap: two numbers are equal when they differ by no more than 1e-9 of the larger one.
+Operations marked *planned* parse and check, and `run` says that they are not executable yet.
+"""
+
+
+def reference() -> str:
+    """The whole page."""
+    parts = [OPENING, "## Items\n", _table(("item", "what it does"), (
+        (f"`{item}`", text) for item, text in ITEMS.items()
+    )), "## Settings\n", _table(("item", "word", "without it", "what it does"), (
+        _setting(each) for each in SETTINGS.values()
+    ))]  # fmt: skip
+    for family, title in FAMILIES.items():
+        records = [each for each in ALL_OPERATIONS if each.family == family]
+        parts += [f"## {title}\n", *(entry(each) for each in records)]
+        queries = [each for each in QUERIES.values() if each.family == family]
+        if queries:
+            rows = ((f"`{_query(each)}`", each.doc) for each in queries)
+            parts.append(_table(("question", "answer"), rows))
+    parts += ["## Functions\n", _table(("function", "what it gives"), (
+        *((f"`{_function(each)}`", _told(each)) for each in FUNCTIONS.values()),
+        *((f"`{name}`", doc) for name, (_, doc) in CONSTANTS.items()),
+    ))]  # fmt: skip
+    return "\n".join(parts)
+
+
+def entry(record: Operation) -> str:
+    """One operation: how it is written, what it does, an example."""
+    forms = " or ".join(f"`{signature(record.name, form)}`" for form in record.forms)
+    if record.synonyms:
+        forms += ", also " + ", ".join(f"`{name}`" for name in record.synonyms)
+    lines = [f"**{forms}**{'' if record.meaning else ' *planned*'}  ", record.doc]
+    if record.defaults:
+        taken = ", ".join(f"`{name}` from `turtle {word}`" for name, word in record.defaults)
+        lines.append(f"Left out: {taken}.")
+    labels = [f"`{each}`" for each in record.labels or () if each.isalpha()]
+    if labels:
+        lines.append(f"Parts: {', '.join(labels)}.")
+    if record.axes:
+        lines.append(f"Knows {', '.join(f'`{each}`' for each in record.axes)}.")
+    if record.examples:
+        lines.append(f"Example: `{record.examples[0]}`")
+    return "\n".join(lines) + "\n"
+
+
+def describe(name: str) -> str | None:
+    """What a name of the language is, for hover and help; None when it is none."""
+    if name in OPERATIONS:
+        return entry(OPERATIONS[name])
+    if name in FUNCTIONS:
+        return f"`{_function(FUNCTIONS[name])}`\n{FUNCTIONS[name].doc}\n"
+    if name in QUERIES:
+        return f"`{_query(QUERIES[name])}`\n{QUERIES[name].doc}\n"
+    return f"`{name}`\n{CONSTANTS[name][1]}\n" if name in CONSTANTS else None
+
+
+def _function(record: Function) -> str:
+    """How a function is written: an operator between its sides."""
+    names = [param.name for param in record.params]
+    for sign, name in OPERATORS.items():
+        if name == record.name:
+            return f"{names[0]} {sign} {names[1]}"
+    for sign, name in PREFIXES.items():
+        if name == record.name:
+            return f"{sign} {names[0]}" if sign.isalpha() else f"{sign}{names[0]}"
+    return signature(record.name, record.params) if record.params else f"{record.name}()"
+
+
+def _told(record: Function) -> str:
+    notes = " Random." if record.random else ""
+    return record.doc + notes + ("" if record.exact else " *Inexact: not for guards.*")
+
+
+def _query(record: Query) -> str:
+    return record.name if record.params is None else signature(record.name, record.params)
+
+
+def _setting(record: SettingRecord) -> tuple[str, ...]:
+    default = "" if record.default is None else (
+        f"{record.default:,g}" if isinstance(record.default, float) else record.default
+    )  # fmt: skip
+    return f"`{record.item}`", f"`{record.name}`", default, record.doc
+
+
+def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
+    lines = [" | ".join(head), " | ".join("---" for _ in head)]
+    lines += [" | ".join(cell.replace("|", "\\|") for cell in row) for row in rows]
+    return "\n".join(f"| {line} |" for line in lines) + "\n"
+
+
+def main() -> None:
+    """Write the page beside the standard library."""
+    from ipmlang.compiler.load import standard_library
+
+    path: Path = standard_library() / "REFERENCE.md"
+    path.write_text(reference(), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,244 @@
+"""The alphabet that inference builds: terminals, groups of symbols, sequences of one symbol.
+
+Every definition knows what it expands to (terminals with frames, in paint order) and which frames
+map it onto itself, so that groups of groups are treated like single elements. An arrangement is the
+string that is rewritten: symbols with world frames, in paint order. Nothing here searches.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.inverse.lsystem.frames import (
+    Floats,
+    Frames,
+    compose,
+    frames,
+    identity,
+    inverse,
+    join,
+    unit,
+)
+from ipmlang.inverse.lsystem.patterns import Pattern
+from ipmlang.inverse.lsystem.symmetry import Symmetry
+from ipmlang.inverse.observation import Observation
+
+Integers = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Definition:
+    """One symbol.
+
+    parts: (m,) member symbols in paint order; places: (m,) their frames in this symbol's frame.
+    A terminal has no parts. pattern: how the places follow from an index (sequences only); family:
+    the first symbol with the same part and pattern, whatever its count (sequences only, else -1).
+    leaves: (size,) terminals it expands to; leaf_frames: (size,) their frames here; stabiliser:
+    (k,) frames that keep all of it, identity first; free: any rotation about the origin does too;
+    radius: largest distance of what it draws from its origin.
+    """
+
+    parts: Integers
+    places: Frames
+    leaves: Integers
+    leaf_frames: Frames
+    stabiliser: Frames
+    free: bool
+    radius: float
+    pattern: Pattern | None = None
+    family: int = -1
+
+    @property
+    def terminal(self) -> bool:
+        """Draws an asset."""
+        return len(self.parts) == 0
+
+    @property
+    def size(self) -> int:
+        """How many elements it draws."""
+        return len(self.leaves)
+
+
+@dataclass(slots=True, eq=False)
+class Alphabet:
+    """All definitions, by symbol number; terminals come first. tolerance: how far, in units, an
+    expansion may be from what was observed."""
+
+    tolerance: float
+    definitions: list[Definition] = field(default_factory=list)
+
+    def __getitem__(self, symbol: int) -> Definition:
+        return self.definitions[symbol]
+
+    def __len__(self) -> int:
+        return len(self.definitions)
+
+    def add_terminal(self, symmetry: Symmetry, radius: float) -> int:
+        """A new terminal; its number."""
+        leaves = np.array([len(self)], np.int64)
+        made = Definition(
+            np.zeros(0, np.int64),
+            identity(0),
+            leaves,
+            identity(1),
+            symmetry.stabiliser,
+            symmetry.order == 0,
+            radius,
+        )
+        self.definitions.append(made)
+        return len(self) - 1
+
+    def add_group(self, parts: Integers, places: Frames) -> int:
+        """A new group of symbols (m,) at places (m,); its number."""
+        self.definitions.append(self._composed(parts, places))
+        return len(self) - 1
+
+    def add_sequence(self, part: int, count: int, pattern: Pattern, family: int) -> int:
+        """A new sequence of `count` copies; its number. family -1: the first of its kind."""
+        places = pattern.places(count)
+        made = self._composed(np.full(count, part, np.int64), places)
+        family = len(self) if family < 0 else family
+        self.definitions.append(
+            Definition(
+                made.parts,
+                made.places,
+                made.leaves,
+                made.leaf_frames,
+                made.stabiliser,
+                made.free,
+                made.radius,
+                pattern,
+                family,
+            )
+        )
+        return len(self) - 1
+
+    def _composed(self, parts: Integers, places: Frames) -> Definition:
+        known = [self[int(part)] for part in parts]
+        leaves = np.concatenate([each.leaves for each in known])
+        placed = join(
+            [compose(places[k : k + 1], each.leaf_frames) for k, each in enumerate(known)]
+        )
+        reach = [each.radius for each in known]
+        radius = float(np.max(np.abs(places.position) + places.scale * np.array(reach)))
+        keeps, free = self._stabiliser(parts, places)
+        return Definition(parts, places, leaves, placed, keeps, free, radius)
+
+    def _stabiliser(self, parts: Integers, places: Frames) -> tuple[Frames, bool]:
+        """Frames that keep every member where it is, and whether all rotations do."""
+        first = self[int(parts[0])]
+        lead = compose(places[:1], first.stabiliser)
+        candidates = compose(lead, inverse(places[:1]))
+        if first.free:
+            candidates = self._of_free(parts, places)
+        keep = np.ones(len(candidates), np.bool_)
+        for part, index in zip(parts.tolist(), range(len(parts)), strict=True):
+            keep &= self._keeps(int(part), places[index : index + 1], candidates)
+        still = bool(np.all(np.abs(places.position) <= self.tolerance))
+        free = still and all(self[int(part)].free for part in parts)
+        return candidates[keep], free
+
+    def _of_free(self, parts: Integers, places: Frames) -> Frames:
+        """Candidates for a group that begins with a circle: mirrors in the line to the first member
+        off its centre, or what the first member keeps that is no circle."""
+        away = np.abs(places.position - places.position[0]) > self.tolerance
+        bound = np.array([not self[int(part)].free for part in parts])
+        which = int(np.argmax(away | bound)) if (away | bound).any() else 0
+        to = places.position[0]
+        if away[which]:
+            axis = np.angle(places.position[which] - to, deg=True)
+            turn = np.array([0.0, 2 * axis + 180.0])
+            hand = np.array([1, -1], np.int8)
+            about = frames(np.zeros(2, np.complex128), turn, 1.0, hand)
+        else:
+            place = places[which : which + 1]
+            about = compose(compose(place, self[int(parts[which])].stabiliser), inverse(place))
+            return about
+        there = frames(np.array([to]))
+        return compose(compose(there, about), inverse(there))
+
+    def _keeps(self, part: int, place: Frames, candidates: Frames) -> NDArray[np.bool_]:
+        """(k,) which candidates map the member at `place` onto itself."""
+        back = compose(compose(inverse(place), candidates), place)
+        definition = self[part]
+        reach = float(place.scale[0])
+        near = np.abs(back.position) * reach <= self.tolerance
+        if definition.free:
+            return near
+        known = definition.stabiliser
+        shift = np.abs(back.position[:, None] - known.position)
+        turn = np.abs(back.factor[:, None] - known.factor) * definition.radius
+        same = back.handedness[:, None] == known.handedness
+        return np.asarray((same & ((shift + turn) * reach <= self.tolerance)).any(axis=1))
+
+
+@dataclass(slots=True, eq=False)
+class Arrangement:
+    """Symbols placed in paint order, n of them.
+
+    symbol: (n,); placed: (n,) world frames; start: (n,) first element each covers, which run to the
+    next one's start; wrap: (n,) number of the effects around it, which no group may mix.
+    """
+
+    symbol: Integers
+    placed: Frames
+    start: Integers
+    wrap: Integers
+
+    def __len__(self) -> int:
+        return len(self.symbol)
+
+    def __getitem__(self, rows: NDArray[np.bool_] | Integers) -> Arrangement:
+        return Arrangement(self.symbol[rows], self.placed[rows], self.start[rows], self.wrap[rows])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Seen:
+    """What expansions are compared with: each element's terminal and frame, in paint order."""
+
+    terminal: Integers
+    placed: Frames
+
+
+def misses(alphabet: Alphabet, seen: Seen, symbol: int, placed: Frames, start: Integers) -> Floats:
+    """(k,) largest distance, in units, between `symbol` at k frames and the elements observed from
+    `start` on; infinite where other terminals stand there.
+    """
+    definition = alphabet[symbol]
+    rows = start[:, None] + np.arange(definition.size)
+    outside = rows[:, -1] >= len(seen.terminal)
+    rows = np.minimum(rows, len(seen.terminal) - 1)
+    wrong = (seen.terminal[rows] != definition.leaves).any(axis=1) | outside
+    made = compose(placed[:, None], definition.leaf_frames)
+    given = seen.placed[rows]
+    worst = np.zeros(len(start))
+    for terminal in np.unique(definition.leaves):
+        columns = np.flatnonzero(definition.leaves == terminal)
+        part = _distance(alphabet[int(terminal)], made[:, columns], given[:, columns])
+        worst = np.maximum(worst, part.max(axis=1))
+    return np.where(wrong, np.inf, worst)
+
+
+def _distance(terminal: Definition, made: Frames, given: Frames) -> Floats:
+    """Bound on the distance of a terminal drawn at two frames, the better of its equivalents."""
+    if terminal.free:
+        gap = np.abs(made.position - given.position)
+        return np.asarray(gap + terminal.radius * np.abs(made.scale - given.scale))
+    best = np.full(made.x.shape, np.inf)
+    for index in range(len(terminal.stabiliser)):
+        other = compose(given, terminal.stabiliser[index : index + 1])
+        gap = np.abs(made.position - other.position)
+        gap = gap + terminal.radius * np.abs(made.factor - other.factor)
+        best = np.minimum(best, np.where(made.handedness == other.handedness, gap, np.inf))
+    return best
+
+
+def arrange(observed: Observation) -> tuple[Alphabet, Arrangement, Seen, list[tuple[int, int]]]:
+    """The alphabet of terminals and the string of all elements.
+
+    A terminal is a shape class with a style; the last result lists (class, style number) of each.
+    """
+    raise NotImplementedError(unit)

@@ -1,0 +1,92 @@
+"""What a threaded turtle draws: pens, polygons, holes, terminals, in the string's order."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ipmlang.compiler import ir
+from ipmlang.runtime.scene import OUTLINE, SEGMENT, Scene
+from ipmlang.runtime.strings import derive_string
+from tests.engine.grammars import compiled
+
+
+def drawn(grammar: str, seed: int = 0) -> Scene:
+    return derive_string(compiled(grammar + "\n"), (), seed, ir.Limits())
+
+
+def test_pens_hold_until_their_bracket_closes() -> None:
+    scene = drawn(
+        'start F color("#f00") F [fill("none") !(2) F layer(3) F] css("opacity:.5;") F\n'
+        '    fill("#00f") F color("teal") F'
+    )
+    found = scene.instances
+    assert [f"{each:08x}" for each in found.color] == [
+        "00000000", "ff0000ff", "ff0000ff", "ff0000ff", "ff0000ff", "ff0000ff", "008080ff",
+    ]  # fmt: skip
+    assert [scene.styles[each].css for each in found.style] == [
+        "", "", "fill:none", "fill:none", "opacity:.5", "opacity:.5;fill:#00f", "opacity:.5",
+    ]  # fmt: skip
+    assert found.width[2:4].tolist() == [2, 2]
+    assert found.layer.tolist() == [0, 0, 0, 3, 0, 0, 0]
+
+
+def test_effects_and_materials_are_references_and_names(tmp_path: object) -> None:
+    scene = drawn('start [effect("fence.parts.svg#g1") F] material("brick") F')
+    effect, material = (scene.styles[each] for each in scene.instances.style)
+    assert effect.effect is not None
+    assert (effect.effect.path.name, effect.effect.node) == ("fence.parts.svg", "g1")
+    assert (material.effect, material.material) == (None, "brick")
+
+
+def test_a_polygon_has_the_ends_of_its_edges_as_corners() -> None:
+    scene = drawn("turtle angle 90\nstart F polygon { F + F + F } polygon { F } F")
+    assert scene.instances.asset.tolist() == [SEGMENT, OUTLINE, SEGMENT]
+    assert scene.instances.shape.tolist() == [-1, 0, -1]
+    (square,) = scene.polygons
+    np.testing.assert_allclose(square[:, :2], [(1, 0), (2, 0), (2, 1), (1, 1)], atol=1e-12)
+    assert scene.instances.position[2, :2] == pytest.approx([0, 1])
+
+
+def test_polygons_nest_and_take_marks() -> None:
+    scene = drawn(
+        "turtle angle 90\n"
+        "start polygon { vertex [f(4) polygon { F + F + F }] f(2) + f(2) + f(2) vertex }"
+    )
+    outer, inner = scene.polygons
+    assert scene.instances.shape.tolist() == [1, 0]  # the inner one closes first
+    np.testing.assert_allclose(inner[:, :2], [(4, 0), (5, 0), (5, 1), (4, 1)], atol=1e-12)
+    corners = [(0, 0), (4, 0), (0, 0), (2, 0), (2, 2), (0, 2)]
+    np.testing.assert_allclose(outer[:, :2], corners, atol=1e-12)
+
+
+def test_an_outer_edge_that_leaves_its_branch_stays_in_order() -> None:
+    scene = drawn("turtle angle 90\nstart polygon { [+ F(3)] F(1) + F(1) }")
+    (points,) = scene.polygons
+    np.testing.assert_allclose(points[:, :2], [(0, 0), (0, 3), (0, 0), (1, 0), (1, 1)], atol=1e-12)
+
+
+def test_holes_move_but_draw_nothing() -> None:
+    scene = drawn("A(i) --> F(1)\nstart repeat(i < 5) except (1, 3) { A(i) } steps 2")
+    assert scene.instances.position[:, 0].tolist() == [0, 2, 4]
+
+
+def test_terminals_stand_where_the_turtle_is() -> None:
+    scene = drawn(
+        'asset leaf = "x.svg#leaf"\nturtle angle 90\nA --> F + leaf\nstart A *(2) mirror A'
+    )
+    found = scene.instances
+    assert [scene.labels[each] for each in found.label] == ["F", "leaf", "F", "leaf"]
+    assert found.asset.tolist() == [SEGMENT, 0, SEGMENT, 0]
+    assert found.scale.tolist() == [1, 1, -2, -2]
+    # mirrored: the heading turns around first, and left is where it was
+    np.testing.assert_allclose(found.position[3, :2], [1, -2], atol=1e-12)
+    assert [scene.rules[each].rule for each in found.rule] == ["A"] * 4
+
+
+def test_origins_say_which_rule_drew() -> None:
+    scene = drawn("A --> F\nF --> F [A]\nstart F steps 2")
+    rules = [(scene.rules[each].rule, scene.rules[each].line) for each in scene.instances.rule]
+    assert rules == [("F", 2), ("A", 1)]
+    assert scene.generations == 2
+    assert scene.rules[-1].rule == "start"
