@@ -17,7 +17,6 @@ from ipmlang.compiler.checked import (
     Checked,
     NotReady,
     SymbolEntry,
-    SymbolKind,
     SymbolUse,
     ValueEntry,
 )
@@ -39,7 +38,8 @@ _Names: TypeAlias = tuple[
 @dataclass(slots=True, eq=False)
 class Cache:
     """What checking remembers: findings by item (kept alive, so that its identity stays its own),
-    the names around them, and the last graph of calls. It holds items of the last check alone."""
+    the names around them, and the last graph of calls. It holds items of the last check alone.
+    """
 
     findings: dict[int, tuple[ast.Item, Findings]] = field(default_factory=dict)
     names: dict[str, list[_Names]] = field(default_factory=dict)
@@ -101,9 +101,7 @@ def _groups(loaded: Loaded, cache: Cache) -> list[Group]:
         around = _names_around(environment)
         names[file.source.path] = around
         same = cache.names.get(file.source.path) == around
-        findings = [
-            _findings(environment, item, cache, kept, same) for item in file.grammar.items
-        ]
+        findings = [_findings(environment, item, cache, kept, same) for item in file.grammar.items]
         groups.append(Group(file, findings, environment))
     cache.findings, cache.names = kept, names
     return groups
@@ -111,7 +109,8 @@ def _groups(loaded: Loaded, cache: Cache) -> list[Group]:
 
 def _names_around(environment: Environment) -> list[_Names]:
     """All that an item of a file can look up: the names of the files it reaches, and which items
-    define their values."""
+    define their values.
+    """
     reached = [environment]
     for each in reached:
         reached += [other for other in each.imports.values() if other not in reached]
@@ -145,7 +144,8 @@ def _findings(
 
 def _holds(environment: Environment, findings: Findings, same: bool) -> bool:
     """Whether all that was looked up for an item still has the same answer. When the `same` names
-    stand around it, only files can have changed."""
+    stand around it, only files can have changed.
+    """
     if same:
         questions = [("reference", name) for name in findings.references]
         return all(environment.answer(*each) == findings.answers[each] for each in questions)
@@ -165,8 +165,13 @@ def _item_troubles(group: Group) -> Iterator[Diagnostic]:
                 Label(offset + label.start, offset + label.end, label.message)
                 for label in trouble.labels
             )
-            yield replace(trouble, source=source, start=offset + trouble.start,
-                          end=offset + trouble.end, labels=labels)  # fmt: skip
+            yield replace(
+                trouble,
+                source=source,
+                start=offset + trouble.start,
+                end=offset + trouble.end,
+                labels=labels,
+            )
 
 
 def _not_ready(groups: list[Group]) -> Iterator[NotReady]:
@@ -190,9 +195,14 @@ def _near_misses(group: Group) -> Iterator[Diagnostic]:
     for name, other in near_misses(places, known).items():
         index, span = places[name]
         kind = "the operation" if other in OPERATIONS else "the symbol"
-        found = group.diagnostic(index, ast.Span(span.start, span.start + len(name)), "near-miss",
-                                 f"no rule or asset is called `{name}`, it draws itself; "
-                                 f"{kind} `{other}` is one letter away", warning=True)  # fmt: skip
+        found = group.diagnostic(
+            index,
+            ast.Span(span.start, span.start + len(name)),
+            "near-miss",
+            f"no rule or asset is called `{name}`, it draws itself; "
+            f"{kind} `{other}` is one letter away",
+            warning=True,
+        )
         yield replace(found, suggestions=(other,))
 
 

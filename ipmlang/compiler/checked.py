@@ -24,9 +24,10 @@ SymbolKind: TypeAlias = Literal["rule", "asset", "site", "broken", "terminal"]
 @dataclass(frozen=True, slots=True)
 class ValueEntry:
     """What a top-level name stands for in expressions. `type` is that of its value, or of a
-    function's result; `parameters` are a function's, `takes` their types; `columns` a table's, None where unknown;
-    `exact`: it may feed a guard; `item` indexes its file's items. Of a broken one only the name is
-    known: its item or its import could not be read."""
+    function's result; `parameters` are a function's, `takes` their types; `columns` a
+    table's, None where unknown; `exact`: it may feed a guard; `item` indexes its file's items. Of a
+    broken one only the name is known: its item or its import could not be read.
+    """
 
     kind: ValueKind
     type: ValueType = "any"
@@ -40,7 +41,8 @@ class ValueEntry:
 @dataclass(frozen=True, slots=True)
 class SymbolEntry:
     """What a name stands for in a successor: the arities of its rules (of `interpret` rules, in
-    `interpreted`), or an asset or site."""
+    `interpreted`), or an asset or site.
+    """
 
     kind: Literal["rule", "asset", "site", "broken"]
     arities: frozenset[int] = frozenset()
@@ -50,7 +52,8 @@ class SymbolEntry:
 @dataclass(frozen=True, slots=True)
 class SymbolUse:
     """A symbol, that is a name with an arity, that some head, body or axiom mentions. A rule's name
-    may be an operation's too: while rules apply it is rewritten, what is left has its meaning."""
+    may be an operation's too: while rules apply it is rewritten, what is left has its meaning.
+    """
 
     name: str
     arity: int
@@ -60,7 +63,8 @@ class SymbolUse:
 @dataclass(frozen=True, slots=True)
 class NotReady:
     """An operation or query that parses and checks, but that no executor runs yet; offsets are in
-    the whole source."""
+    the whole source.
+    """
 
     name: str
     source: Source
@@ -71,7 +75,8 @@ class NotReady:
 @dataclass(frozen=True, slots=True, eq=False)
 class Checked:
     """A whole grammar. `values` and `symbols` are keyed by qualified name; `diagnostics` are of all
-    files, the main one first, in the order of the text; `not_ready` is what `run` refuses."""
+    files, the main one first, in the order of the text; `not_ready` is what `run` refuses.
+    """
 
     loaded: Loaded
     values: Mapping[str, ValueEntry]

@@ -24,9 +24,10 @@ SUFFIX = ".ipm"
 
 @dataclass(slots=True, eq=False)
 class File:
-    """One parsed file. `prefix` is `""` for the main file and `roofs.` for an imported one; `imports`
+    """One parsed file. `prefix` is `""` for the main file, `roofs.` for an imported one; `imports`
     finds other files by their names here; `references` answers for files that this one names.
-    `problems` are of its syntax, its imports and the files that its items name."""
+    `problems` are of its syntax, its imports and the files that its items name.
+    """
 
     source: Source
     grammar: ast.Grammar
@@ -63,7 +64,8 @@ class File:
 @dataclass(slots=True, eq=False)
 class Cache:
     """What loading remembers from one time to the next: parsed items, and what stands in the files
-    that grammars refer to, each for as long as it is unchanged."""
+    that grammars refer to, each for as long as it is unchanged.
+    """
 
     items: ItemCache = field(default_factory=new_cache)
     seen: Seen = field(default_factory=Seen)
@@ -192,9 +194,13 @@ class _Loading:
     def _import(self, file: File, index: int, item: ast.Import) -> None:
         name = item.alias or import_name(item.path)
         if name in file.imports:
-            file.problem(index, item.span, "duplicate-name",
-                         f"another import is called `{name}` already",
-                         hint=f'give it a name of its own: import "{item.path}" as other')  # fmt: skip
+            file.problem(
+                index,
+                item.span,
+                "duplicate-name",
+                f"another import is called `{name}` already",
+                hint=f'give it a name of its own: import "{item.path}" as other',
+            )
             return
         found = self._find(file, index, item)
         if found is None:
@@ -218,16 +224,24 @@ class _Loading:
         words = item.path.removeprefix("std/") if standard else item.path
         path = folder / (words if words.endswith(SUFFIX) else words + SUFFIX)
         if (standard or not self._allow_outside) and not is_inside(path, root):
-            file.problem(index, item.span, "outside-folder",
-                         f'"{item.path}" lies outside the folder of the grammar',
-                         hint="move it beside the grammar, or allow it with --allow-outside")  # fmt: skip
+            file.problem(
+                index,
+                item.span,
+                "outside-folder",
+                f'"{item.path}" lies outside the folder of the grammar',
+                hint="move it beside the grammar, or allow it with --allow-outside",
+            )
             return None
         if not path.is_file():
             known = [_import_path(each, folder, standard) for each in folder.glob(f"*{SUFFIX}")]
             where = "the standard library" if standard else "the folder of this file"
-            file.problem(index, item.span, "no-such-import",
-                         f'there is no "{item.path}" in {where}',
-                         suggestions=nearest(item.path, known))  # fmt: skip
+            file.problem(
+                index,
+                item.span,
+                "no-such-import",
+                f'there is no "{item.path}" in {where}',
+                suggestions=nearest(item.path, known),
+            )
             return None
         return path, root
 
@@ -246,8 +260,14 @@ def _refer(file: File) -> None:
     """Look for the files that the items of one file name."""
     for index, item in enumerate(file.grammar.items):
         for found in file.references.problems(item):
-            file.problem(index, item.span, found.code, found.message, hint=found.hint,
-                         suggestions=found.suggestions)  # fmt: skip
+            file.problem(
+                index,
+                item.span,
+                found.code,
+                found.message,
+                hint=found.hint,
+                suggestions=found.suggestions,
+            )
 
 
 def _report_cycles(main: File) -> None:
@@ -277,9 +297,13 @@ def _report_cycle(file: File, following: File, cycle: list[File]) -> None:
     shown = [Path(each.source.path).name for each in (*cycle, following)]
     for index, item in enumerate(file.grammar.items):
         if isinstance(item, ast.Import) and _imported(file.imports, item) is following:
-            file.problem(index, item.span, "import-cycle",
-                         f"these files import each other: {' > '.join(shown)}",
-                         hint="move what both need into a third file")  # fmt: skip
+            file.problem(
+                index,
+                item.span,
+                "import-cycle",
+                f"these files import each other: {' > '.join(shown)}",
+                hint="move what both need into a third file",
+            )
             return
 
 

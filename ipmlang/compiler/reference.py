@@ -1,13 +1,12 @@
-"""The operation table as the language reference: one Markdown page, and one entry for hover and help.
+"""The operation table as the language reference: a Markdown page, and entries for hover and help.
 
-In go records, out comes text; `python -m ipmlang.compiler.reference` writes stdlib/REFERENCE.md. What
-is not said by a record (the meaning of rules, shapes and files) is said in the page's opening lines.
+In go records, out comes text; `python -m ipmlang.compiler.reference` writes stdlib/REFERENCE.md.
+What is not said by a record (items, and how to read the page) is said at its beginning.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from pathlib import Path
 
 from ipmlang.compiler.checking.arguments import signature
 from ipmlang.compiler.ops import (
@@ -34,16 +33,20 @@ FAMILIES: dict[Family, str] = {
 
 ITEMS = {
     "ipm 1": "The language version, and with it the random scheme. The first line of a file.",
-    'import "std/plants" as p': "Another file: of the standard library, or beside this one. Its names "
+    'import "std/plants" as p': "Another file: of the standard library, or beside this one. Its "
+    "names "
     "are `p.Leaf`; without `as` the last word of the path goes in front.",
-    'asset win = "house.glb#window_2"': "Terminal geometry from an svg, glb, obj, ply or stl file, by "
+    'asset win = "house.glb#window_2"': "Terminal geometry from an svg, glb, obj, ply or stl "
+    "file, by "
     "node or id.",
     'asset A, B in "x.parts.svg"': "Several at once: the ids are the names.",
     'table T = "x.parts.svg#T"': "Rows of named columns in a parts file.",
     "table T(x, y) = (1, 2), (3, 4)": "The same written out.",
     'surface wall = "statue.obj" atlas 1024': "A surface to march on.",
-    'context mask = "mask.png"': "A texture that rules can ask; `: scalar` and `: vector` fields too.",
-    'attr floors : int = 6 in 1..60 "storeys"': "What a user may set: type (int, float, bool, string), "
+    'context mask = "mask.png"': "A texture that rules can ask; `: scalar` and `: vector` fields "
+    "too.",
+    'attr floors : int = 6 in 1..60 "storeys"': "What a user may set: type (int, float, bool, "
+    "string), "
     "default, range or `{ … }` choices, meaning.",
     "const module = 2.4": "A value.",
     "fn bays(w) = max(1, floor(w / module))": "A pure function.",
@@ -58,15 +61,16 @@ ITEMS = {
     "parameters may be left out; `else` is taken when it is reached. `A < B(x) > C` looks at what "
     "stands before and behind; a string above is its documentation.",
     "interpret Leaf --> F(1)": "A rule that is applied once, when the derivation is done.",
-    "start Lot on box(8, 11, 0) steps 7": "The axiom, what it stands on, and for how many steps rules "
+    "start Lot on box(8, 11, 0) steps 7": "The axiom, what it stands on, and for how many steps "
+    "rules "
     "apply; without `steps` until none applies.",
-}  # fmt: skip
+}
 
 OPENING = """\
 # Language reference
 
 Every operation, function and setting of ipm, version 1. This page is made from the tables in
-`ipmlang/compiler/ops` by `python -m ipmlang.compiler.reference`; what is wrong in it is wrong there.
+`ipmlang/compiler/ops` by `python -m ipmlang.compiler.reference`; mend it there.
 
 Angles are degrees, lengths are the file's units. `[x]` may be left out; `x, …` may be repeated.
 Comparisons snap: two numbers are equal when they differ by no more than 1e-9 of the larger one.
@@ -76,11 +80,16 @@ Operations marked *planned* parse and check, and `run` says that they are not ex
 
 def reference() -> str:
     """The whole page."""
-    parts = [OPENING, "## Items\n", _table(("item", "what it does"), (
-        (f"`{item}`", text) for item, text in ITEMS.items()
-    )), "## Settings\n", _table(("item", "word", "without it", "what it does"), (
-        _setting(each) for each in SETTINGS.values()
-    ))]  # fmt: skip
+    parts = [
+        OPENING,
+        "## Items\n",
+        _table(("item", "what it does"), ((f"`{item}`", text) for item, text in ITEMS.items())),
+        "## Settings\n",
+        _table(
+            ("item", "word", "without it", "what it does"),
+            (_setting(each) for each in SETTINGS.values()),
+        ),
+    ]
     for family, title in FAMILIES.items():
         records = [each for each in ALL_OPERATIONS if each.family == family]
         parts += [f"## {title}\n", *(entry(each) for each in records)]
@@ -88,10 +97,16 @@ def reference() -> str:
         if queries:
             rows = ((f"`{_query(each)}`", each.doc) for each in queries)
             parts.append(_table(("question", "answer"), rows))
-    parts += ["## Functions\n", _table(("function", "what it gives"), (
-        *((f"`{_function(each)}`", _told(each)) for each in FUNCTIONS.values()),
-        *((f"`{name}`", doc) for name, (_, doc) in CONSTANTS.items()),
-    ))]  # fmt: skip
+    parts += [
+        "## Functions\n",
+        _table(
+            ("function", "what it gives"),
+            (
+                *((f"`{_function(each)}`", _told(each)) for each in FUNCTIONS.values()),
+                *((f"`{name}`", doc) for name, (_, doc) in CONSTANTS.items()),
+            ),
+        ),
+    ]
     return "\n".join(parts)
 
 
@@ -147,9 +162,11 @@ def _query(record: Query) -> str:
 
 
 def _setting(record: SettingRecord) -> tuple[str, ...]:
-    default = "" if record.default is None else (
-        f"{record.default:,g}" if isinstance(record.default, float) else record.default
-    )  # fmt: skip
+    default = (
+        ""
+        if record.default is None
+        else (f"{record.default:,.12g}" if isinstance(record.default, float) else record.default)
+    )
     return f"`{record.item}`", f"`{record.name}`", default, record.doc
 
 
@@ -163,7 +180,7 @@ def main() -> None:
     """Write the page beside the standard library."""
     from ipmlang.compiler.load import standard_library
 
-    path: Path = standard_library() / "REFERENCE.md"
+    path = standard_library() / "REFERENCE.md"
     path.write_text(reference(), encoding="utf-8")
 
 

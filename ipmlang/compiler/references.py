@@ -57,7 +57,7 @@ def is_inside(path: Path, folder: Path) -> bool:
 
 @dataclass(slots=True, eq=False)
 class References:
-    """References of one grammar file: relative to `folder`, and not leaving `root` unless allowed."""
+    """References of one grammar file, relative to `folder`, not leaving `root` unless allowed."""
 
     folder: Path
     root: Path
@@ -79,13 +79,13 @@ class References:
                 yield from _problem(self.node(reference, PICTURES))
             case ast.Table(reference=str(reference)):
                 yield from _problem(self.table(reference))
-            case ast.Start(place=ast.Place(reference=str(reference))) if item.place.kind == "file":
+            case ast.Start(place=ast.Place(kind="file", reference=str(reference))):
                 yield from _problem(self.node(reference, DRAWINGS + MESHES))
             case _:
                 pass
 
     def node(self, reference: str, suffixes: tuple[str, ...]) -> Path | Problem:
-        """The path of a reference whose file exists, has one of these suffixes and holds the node."""
+        """The path of a reference whose file exists, has a fitting suffix and holds the node."""
         name, mark, node = reference.partition("#")
         path = self.file(name, suffixes)
         if isinstance(path, Problem) or not mark:
@@ -96,8 +96,9 @@ class References:
         if isinstance(known, Problem):
             return known
         if known is not None and node not in known:
-            return Problem("no-such-node", f"there is no `{node}` in {name}",
-                           suggestions=nearest(node, known))  # fmt: skip
+            return Problem(
+                "no-such-node", f"there is no `{node}` in {name}", suggestions=nearest(node, known)
+            )
         return path
 
     def table(self, reference: str) -> Columns:
@@ -118,8 +119,11 @@ class References:
     def _look(self, name: str, suffixes: tuple[str, ...]) -> Path | Problem:
         path = self.folder / name
         if not self.allow_outside and not is_inside(path, self.root):
-            return Problem("outside-folder", f"{name} lies outside the folder of the grammar",
-                           "move it beside the grammar, or allow it with --allow-outside")  # fmt: skip
+            return Problem(
+                "outside-folder",
+                f"{name} lies outside the folder of the grammar",
+                "move it beside the grammar, or allow it with --allow-outside",
+            )
         if path.suffix.lower() not in suffixes:
             return Problem("wrong-file-type", f"{name} is not a {_list(suffixes)} file")
         try:
@@ -128,8 +132,11 @@ class References:
             others = [each.name for each in path.parent.iterdir()] if path.parent.is_dir() else []
         except OSError as error:
             return Problem("cannot-read", f"{name} cannot be read: {error.strerror}")
-        return Problem("no-such-file", f"there is no file {name} beside the grammar",
-                       suggestions=nearest(path.name, others))  # fmt: skip
+        return Problem(
+            "no-such-file",
+            f"there is no file {name} beside the grammar",
+            suggestions=nearest(path.name, others),
+        )
 
     def _remembered(
         self, kept: dict[_Stamp, _Kept], path: Path, node: str, ask: Callable[[], _Kept]

@@ -101,7 +101,7 @@ def _check_finite(program: ir.Program, frames: Frames, rule: NDArray[np.int32]) 
         production = program.axiom if number < 0 else program.productions[number]
         raise fail(
             "not-a-number",
-            f"{told(program, production)} draws where the turtle's place or scale is no finite number",
+            f"{told(program, production)} draws where the turtle's place or scale is not finite",
         )
 
 

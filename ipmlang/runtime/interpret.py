@@ -7,7 +7,7 @@ moves the turtle.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -47,9 +47,15 @@ class Stream:
         """The acts of some kinds."""
         return [act for act in self.acts if act.op in ops]
 
+    def drop(self, *ops: str) -> None:
+        """Forget the acts of some kinds: whoever follows them has done so."""
+        self.acts = [act for act in self.acts if act.op not in ops]
+
 
 def stream(bound: Bound, string: String) -> Stream:
-    """The acts of a string in the order of its modules."""
+    """The acts of a string in the order of its modules. Takes the string's tables away as it goes:
+    a turtle needs the room.
+    """
     symbols = bound.program.symbols
     width = np.zeros(string.length + 1, np.int64)
     meanings = {}
@@ -63,8 +69,9 @@ def stream(bound: Bound, string: String) -> Stream:
     first = np.cumsum(width) - width
     acts: list[Act] = []
     for number, acting in meanings.items():
+        table = string.tables.pop(number)
         if acting:
-            acts += _acts(bound, symbols[number], string.tables[number], first)
+            acts += _acts(bound, symbols[number], table, first)
     return Stream(int(first[-1]), first[string.places(OPEN)], first[string.places(CLOSE)], acts)
 
 
@@ -79,6 +86,7 @@ def _acts_on_turtle(each: ir.Instruction) -> bool:
 def _acts(bound: Bound, symbol: ir.Symbol, table: Modules, first: Whole) -> list[Act]:
     batch = Batch(bound, table.count, table.params, table.k0, table.k1)
     at = first[table.place]
+    made = replace(table, params=(), place=at[:0])
     acts: list[Act] = []
     for each in symbol.meaning or ():
         if not _acts_on_turtle(each):
@@ -86,7 +94,7 @@ def _acts(bound: Bound, symbol: ir.Symbol, table: Modules, first: Whole) -> list
                 batch.evaluate((each,))
             continue
         args = tuple(batch.get(register) for register in each.args)
-        act = Act(each.op, each.const, at, args, table)
+        act = Act(each.op, each.const, at, args, made)
         acts += [act] if table.silent is None else _quiet(act)
         at = at + 1
     return acts

@@ -251,9 +251,14 @@ def _needs_keys(symbol: ir.Symbol) -> bool:
 def leaves(items: Sequence[Item], count: int) -> Whole:
     """How many modules of the final string each row of a body becomes, (count,)."""
     total = np.zeros(count, np.int64)
+    alike = 0
     for item in items:
-        total += item.leaves if isinstance(item, Modules) else _copied(item)
-    return total
+        own = item.leaves if isinstance(item, Modules) else _copied(item)
+        if isinstance(own, int):
+            alike += own
+        else:
+            total += own
+    return total + alike
 
 
 def _copied(item: Copies) -> Whole:
@@ -287,13 +292,20 @@ def modules(items: Sequence[Item]) -> list[Modules]:
     return found
 
 
+def _joined_rules(parts: Sequence[Modules], counts: Sequence[int]) -> NDArray[np.int32]:
+    rules = [part.rule for part in parts]
+    if not any(isinstance(rule, np.ndarray) for rule in rules):
+        return np.repeat(np.array(rules, np.int32), counts)
+    columns = [np.broadcast_to(rule, (count,)) for rule, count in zip(rules, counts, strict=True)]
+    return np.concatenate(columns, dtype=np.int32)
+
+
 def merged(parts: Sequence[Modules]) -> Modules:
     """Modules of one symbol from several bodies as one; `leaves` is not carried over."""
     if len(parts) == 1:
         return replace(parts[0])
     counts = [part.count for part in parts]
     columns = zip(*(part.params for part in parts), strict=True)
-    rules = [np.broadcast_to(np.asarray(p.rule, np.int32), (p.count,)) for p in parts]
     silent: Flags | None = None
     if any(part.silent is not None for part in parts):
         silent = np.concatenate(
@@ -305,7 +317,7 @@ def merged(parts: Sequence[Modules]) -> Modules:
         tuple(joined(column, counts) for column in columns),
         np.concatenate([part.k0 for part in parts]),
         np.concatenate([part.k1 for part in parts]),
-        np.concatenate(rules),
+        _joined_rules(parts, counts),
         silent,
         place=np.concatenate([part.place for part in parts]),
     )

@@ -11,7 +11,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
+from itertools import accumulate
+from typing import Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,7 @@ Columns: TypeAlias = tuple[Real, ...]
 Combine: TypeAlias = Callable[[Columns, Columns], Columns]
 
 BLOCK = 128  # flat between 128 and 512
+FEW = 8  # so many segments are walked quicker one by one
 LONG = 2048  # from here on a sum is quicker segment by segment
 
 
@@ -114,6 +116,44 @@ def lockstep(columns: Columns, lengths: Whole, combine: Combine, start: Columns 
         previous = rows
         begin += count
     return tuple(column[place] for column in laid)
+
+
+class Walk(Protocol):
+    """A step that is not associative: for columns of states, and for one state."""
+
+    def columns(self, before: Columns, row: Columns) -> Columns:
+        """The states after the step, from those before it and what each row does."""
+
+    def single(self, before: tuple[float, ...], row: tuple[float, ...]) -> tuple[float, ...]:
+        """What `columns` gives, for one state."""
+
+
+def walked(columns: Columns, lengths: Whole, walk: Walk) -> Columns:
+    """States after each row of each segment; its first row is the state that it starts from.
+
+    Goes in lockstep where many segments are that long, and through the rest one by one.
+    """
+    lengths, _ = _filled(lengths, None)
+    wide = -np.partition(-lengths, FEW)[FEW] if len(lengths) > FEW else 0
+    heads = np.minimum(lengths, wide)
+    begins = np.cumsum(lengths) - lengths
+    if wide:
+        rows = ranges(begins, heads)
+        part = lockstep(tuple(column[rows] for column in columns), heads, walk.columns, None)
+        for column, values in zip(columns, part, strict=True):
+            column[rows] = values
+    for segment in np.flatnonzero(lengths > wide).tolist():
+        first = begins[segment] + max(wide - 1, 0)
+        _walk_one(columns, slice(first, begins[segment] + lengths[segment]), walk)
+    return columns
+
+
+def _walk_one(columns: Columns, rows: slice, walk: Walk) -> None:
+    """Walk through rows whose first one is already a state."""
+    does = list(zip(*(column[rows].tolist() for column in columns), strict=True))
+    states = list(accumulate(does, walk.single))
+    for column, values in zip(columns, zip(*states, strict=True), strict=True):
+        column[rows] = values
 
 
 def _ranked(lengths: Whole, order: Whole) -> tuple[Whole, Whole]:

@@ -15,6 +15,7 @@ import numpy as np
 from ipmlang.compiler import ir
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.runtime import scan
+from ipmlang.runtime.bend import BEND, LEVEL, Bending
 from ipmlang.runtime.branches import Branches, Path
 from ipmlang.runtime.choose import told
 from ipmlang.runtime.interpret import Act, Stream
@@ -22,7 +23,6 @@ from ipmlang.runtime.scan import Columns, Frames, Real, Whole
 from ipmlang.runtime.values import Value
 
 UPRIGHT = (0.5, 0.5, -0.5, 0.5)  # heading +z, left -x, up -y
-LEVEL, BEND = 1.0, 2.0
 
 
 def _check_factors(program: ir.Program, act: Act) -> None:
@@ -54,9 +54,11 @@ class Turtle:
         else:
             self._turns = Path(self._branches, [act.at for act in self._turning()])
             self._rotation = self._rotations()
+        stream.drop("rotate", "orient", "level", "scale", "mirror")
         self._moving = stream.of("move", "segment")
         self._moves = Path(self._branches, [act.at for act in self._moving])
         self._position = self._positions()
+        del self._moving
 
     def frames(self, at: Whole) -> Frames:
         """The frames that the acts at some places find (n rows)."""
@@ -148,9 +150,8 @@ class Turtle:
             path.resolve(own, lambda part, rows: scan.scan(part, rows, scan.quaternion_product))
             return scan.normalised(own)
         hand = self._hands(acts, path)
-        path.resolve(
-            (*own, kind, hand), lambda part, rows: scan.lockstep(part, rows, self._bent, None)
-        )
+        bending = Bending(self._program.tropism)
+        path.resolve((*own, kind, hand), lambda part, rows: scan.walked(part, rows, bending))
         return scan.normalised(own)
 
     def _hands(self, acts: list[Act], path: Path) -> Real:
@@ -176,46 +177,6 @@ class Turtle:
                 return cosine, 0.0, sine * hand, 0.0
             case _:
                 return cosine, 0.0, 0.0, sine * hand
-
-    def _bent(self, before: Columns, row: Columns) -> Columns:
-        rotation = scan.quaternion_product(before[:4], row[:4])
-        kind, hand = row[4], row[5]
-        for flag, change in ((LEVEL, self._levelled), (BEND, self._drawn)):
-            rows = np.flatnonzero(kind == flag)
-            if len(rows):
-                part = change(tuple(column[rows] for column in rotation), hand[rows])
-                for column, values in zip(rotation, scan.normalised(part), strict=True):
-                    column[rows] = values
-        return (*rotation, kind, hand)
-
-    def _levelled(self, rotation: Columns, hand: Real) -> Columns:
-        """Roll about the heading until the left is horizontal; a vertical heading stays."""
-        zero, one = np.zeros_like(hand), np.ones_like(hand)
-        hx, hy, _ = scan.turned(rotation, (hand, zero, zero))
-        left = scan.turned(rotation, (zero, one, zero))
-        up = scan.turned(rotation, (zero, zero, one))
-        length = np.hypot(hx, hy)
-        safe = np.where(length > 1e-12, length, 1)
-        # the wanted left is up(world) x heading, on the side that a mirrored frame has it
-        wx, wy = -hy / safe * hand, hx / safe * hand
-        cosine = wx * left[0] + wy * left[1]
-        sine = wx * up[0] + wy * up[1]
-        angle = np.where(length > 1e-12, np.arctan2(sine, cosine), 0) / 2
-        return scan.quaternion_product(rotation, (np.cos(angle), np.sin(angle), zero, zero))
-
-    def _drawn(self, rotation: Columns, hand: Real) -> Columns:
-        """Bend toward the tropism vector T: by e |H x T| radians about H x T (ABOP, p. 58)."""
-        assert self._program.tropism is not None
-        tx, ty, tz, elasticity = self._program.tropism
-        zero = np.zeros_like(hand)
-        hx, hy, hz = scan.turned(rotation, (hand, zero, zero))
-        ax, ay, az = hy * tz - hz * ty, hz * tx - hx * tz, hx * ty - hy * tx
-        length = np.sqrt(ax * ax + ay * ay + az * az)
-        half = elasticity * length / 2
-        factor = np.divide(np.sin(half), length, out=zero, where=length > 1e-12)
-        return scan.quaternion_product(
-            (np.cos(half), ax * factor, ay * factor, az * factor), rotation
-        )
 
     def _positions(self) -> Real:
         """Places after each move, (n, 2) in the plane, else (n, 3)."""

@@ -160,9 +160,10 @@ def spread(value: Value, rows: Whole) -> Value:
 def joined(values: Sequence[Value], counts: Sequence[int]) -> Value:
     """Values of several batches as one, kept a single number where all are the same number."""
     first = values[0]
-    if all(not isinstance(value, np.ndarray) and value == first for value in values):
-        return first
     if len(values) == 1:
         return first
+    if not any(isinstance(value, np.ndarray) for value in values):
+        same = all(value == first for value in values)
+        return first if same else np.repeat(np.array(values, np.float64), counts)
     parts = [np.broadcast_to(value, (count,)) for value, count in zip(values, counts, strict=True)]
     return np.concatenate(parts)

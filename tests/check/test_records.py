@@ -69,7 +69,9 @@ def test_a_record_is_whole(record: Operation) -> None:
         names = {param.name for param in form}
         optional = {param.name for param in form if param.optional}
         assert optional <= dict(record.defaults).keys()
-        used = {arg.removeprefix("-") for step in steps for arg in step.args if isinstance(arg, str)}
+        used = {
+            arg.removeprefix("-") for step in steps for arg in step.args if isinstance(arg, str)
+        }
         assert used <= names
 
 
@@ -93,7 +95,9 @@ VALUES = (0.0, -0.0, 1.0, -1.0, 2.5, -2.5, 9.6 / 3.2, 3 * 3.2, 9.6, 3.2, 1e-12, 
 def combinations(record: Function) -> list[tuple[float, ...]]:
     """Argument lists that visit every special value in every place."""
     count = sum(not (param.optional or param.many) for param in record.params)
-    count = max(count, 2) if record.random or record.params[-1:] and record.params[-1].many else count
+    count = (
+        max(count, 2) if record.random or (record.params[-1:] and record.params[-1].many) else count
+    )
     product = itertools.product(VALUES, repeat=min(count, 2))
     rows = [(*row, *([row[0]] * max(0, count - 2)))[:count] for row in product]
     if record.random:

@@ -27,9 +27,12 @@ def check_arguments(
     placed = _in_place(record, args)
     form = next((each for each in record.forms if takes(each, len(placed))), None)
     if form is None:
-        scope.findings.trouble(span, "wrong-arguments",
-                               f"`{name}` takes {_forms(record)}, here it has {len(placed) or 'none'}",
-                               hint=_signatures(record, name))  # fmt: skip
+        scope.findings.trouble(
+            span,
+            "wrong-arguments",
+            f"`{name}` takes {_forms(record)}, here it has {len(placed) or 'none'}",
+            hint=_signatures(record, name),
+        )
         for argument in args:
             type_of(scope, argument.value)
         return
@@ -55,19 +58,24 @@ def _named(
         param = known.get(argument.name)
         if param is None:
             type_of(scope, argument.value)
-            scope.findings.trouble(argument.span, "wrong-arguments",
-                                   f"`{name}` has no argument called `{argument.name}`",
-                                   suggestions=nearest(argument.name, known))  # fmt: skip
+            scope.findings.trouble(
+                argument.span,
+                "wrong-arguments",
+                f"`{name}` has no argument called `{argument.name}`",
+                suggestions=nearest(argument.name, known),
+            )
             continue
         if argument.name in given:
-            scope.findings.trouble(argument.span, "wrong-arguments",
-                                   f"`{argument.name}` is given twice")  # fmt: skip
+            scope.findings.trouble(
+                argument.span, "wrong-arguments", f"`{argument.name}` is given twice"
+            )
         given.add(argument.name)
         check_argument(scope, param, argument.value, name)
     for param in known.values():
         if not param.optional and param.name not in given:
-            scope.findings.trouble(span, "wrong-arguments",
-                                   f"`{name}` needs the argument `{param.name}: …`")  # fmt: skip
+            scope.findings.trouble(
+                span, "wrong-arguments", f"`{name}` needs the argument `{param.name}: …`"
+            )
 
 
 def check_argument(scope: Scope, param: Param, value: ast.Expr, name: str) -> None:
@@ -81,15 +89,21 @@ def check_argument(scope: Scope, param: Param, value: ast.Expr, name: str) -> No
         _check_file(scope, param, value, what)
     number = constant(value)
     if param.above is not None and number is not None and number <= param.above:
-        scope.findings.trouble(value.span, "out-of-range",
-                               f"{what} is {number:g}, and must be above {param.above:g}")  # fmt: skip
+        scope.findings.trouble(
+            value.span, "out-of-range", f"{what} is {number:g}, and must be above {param.above:g}"
+        )
 
 
 def _check_file(scope: Scope, param: Param, value: ast.Text, what: str) -> None:
     problem = scope.view.reference(value.value)
     if problem is not None:
-        scope.findings.trouble(value.span, problem.code, problem.message, hint=problem.hint,
-                               suggestions=problem.suggestions)  # fmt: skip
+        scope.findings.trouble(
+            value.span,
+            problem.code,
+            problem.message,
+            hint=problem.hint,
+            suggestions=problem.suggestions,
+        )
     elif not value.value.partition("#")[0].lower().endswith(param.suffixes):
         kinds = " or ".join(param.suffixes)
         scope.findings.trouble(value.span, "wrong-file-type", f"{what} must be a {kinds} file")

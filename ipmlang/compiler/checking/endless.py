@@ -39,9 +39,12 @@ def check_values(group: Group) -> Iterator[Diagnostic]:
                 names = list(trail)
                 circle = " > ".join([*names[names.index(following) :], following])
                 index = reads[names[-1]][0]
-                yield group.diagnostic(index, group.findings[index].reads[following],
-                                       "endless-definition",
-                                       f"`{following}` is defined by itself: {circle}")  # fmt: skip
+                yield group.diagnostic(
+                    index,
+                    group.findings[index].reads[following],
+                    "endless-definition",
+                    f"`{following}` is defined by itself: {circle}",
+                )
             elif following in reads and following not in done:
                 trail[following] = None
                 waiting.append(iter(reads[following][1]))
@@ -100,16 +103,18 @@ def check_endless(
             item = group.file.grammar.items[index]
             assert isinstance(item, ast.Rule)
             names = " > ".join(name for name, _ in [*circle, circle[0]])
-            yield group.diagnostic(index, item.head.span, "never-ends",
-                                   f"a derivation of `{circle[0][0]}` never ends: {names}",
-                                   warning=True,
-                                   hint="add a guard and an `else` rule, or a number of `steps`")  # fmt: skip
+            yield group.diagnostic(
+                index,
+                item.head.span,
+                "never-ends",
+                f"a derivation of `{circle[0][0]}` never ends: {names}",
+                warning=True,
+                hint="add a guard and an `else` rule, or a number of `steps`",
+            )
         told |= set(circle)
 
 
-def _circle(
-    group: Group, key: Key, found: frozenset[Key], edges: Mapping[Key, int]
-) -> list[Key]:
+def _circle(group: Group, key: Key, found: frozenset[Key], edges: Mapping[Key, int]) -> list[Key]:
     """Follow calls that cannot end from a symbol until one comes again."""
     trail = {key: None}
     while True:

@@ -14,10 +14,12 @@ from typing import TypeAlias
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.checked import SymbolEntry, ValueEntry, ValueKind
+from ipmlang.compiler.diagnostics import nearest
 from ipmlang.compiler.load import File, import_name
 from ipmlang.compiler.references import DRAWINGS, MESHES, PICTURES, Problem
 from ipmlang.compiler.types import ATTR_TYPES
 
+MOST_HINTS = 100
 _BROKEN_VALUE = ValueEntry("broken")
 _BROKEN_SYMBOL = SymbolEntry("broken")
 _DECLARED = re.compile(
@@ -30,9 +32,10 @@ TypeOf: TypeAlias = Callable[["Environment", ast.Item, int], ValueEntry]
 @dataclass(slots=True, eq=False)
 class Environment:
     """The names of one file. `values` and `symbols` hold its own; `imports` leads to others.
-    `rules`: the items of each symbol's rules, `interpret` ones apart, in source order; `others`: the
-    items that are no rules; `broken`: names whose item or import could not be read. `type_of` finds
-    the type of a value's item."""
+    `rules`: the items of each symbol's rules, `interpret` ones apart, in source order;
+    `others`: the items that are no rules; `broken`: names whose item or import could
+    not be read. `type_of` finds the type of a value's item.
+    """
 
     file: File
     type_of: TypeOf
@@ -43,6 +46,7 @@ class Environment:
     rules: dict[RuleKey, list[int]] = field(default_factory=dict)
     others: list[tuple[int, ast.Item]] = field(default_factory=list)
     broken: frozenset[str] = frozenset()
+    _nearest: dict[tuple[str, str], tuple[str, ...]] = field(default_factory=dict)
     _typed: set[str] = field(default_factory=set)
 
     def value(self, name: str) -> ValueEntry | None:
@@ -83,6 +87,16 @@ class Environment:
                 return name in self.imports
             case _:
                 return self.file.references.node(name, DRAWINGS + MESHES + PICTURES)
+
+    def nearest(self, topic: str, word: str, known: Iterable[str]) -> tuple[str, ...]:
+        """The nearest of the names known of a topic. Looking through all names takes long, so each
+        word is looked for once, and a file with very many wrong words gets no more hints.
+        """
+        found = self._nearest.get((topic, word))
+        if found is None:
+            found = nearest(word, known) if len(self._nearest) < MOST_HINTS else ()
+            self._nearest[topic, word] = found
+        return found
 
     def names(self) -> Iterable[str]:
         """All names of values, dotted ones of imports included."""
@@ -147,7 +161,8 @@ def declare(environment: Environment) -> None:
 
 def _broken(file: File) -> frozenset[str]:
     """Names that items which could not be read seem to define, and imports that led nowhere: what
-    is said about them would only repeat that."""
+    is said about them would only repeat that.
+    """
     if not file.problems:
         return frozenset()
     text = file.source.text

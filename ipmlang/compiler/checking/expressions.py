@@ -8,6 +8,7 @@ of it, and the rest of the rule must agree.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import chain
 from typing import assert_never
 
 from ipmlang.compiler import ast
@@ -39,7 +40,7 @@ class Row:
 
 @dataclass(slots=True, eq=False)
 class Scope:
-    """What an expression sees: the file's names through `view`, local names, and where to report."""
+    """What an expression sees: the file's names through `view`, its locals, where to report."""
 
     view: View
     findings: Findings
@@ -102,7 +103,7 @@ def _want_color(scope: Scope, text: ast.Text) -> None:
             "not-a-color",
             f'"{text.value}" is no colour',
             expected="`#rgb`, `#rrggbb` or the name of a colour",
-            suggestions=nearest(text.value.lower(), COLOR_WORDS),
+            suggestions=scope.view.environment.nearest("color", text.value.lower(), COLOR_WORDS),
         )
 
 
@@ -110,8 +111,6 @@ def type_of(scope: Scope, expr: ast.Expr) -> ValueType:
     """The type of an expression; what is wrong in it is reported."""
     match expr:
         case ast.Number(value):
-            if value in (float("inf"), float("-inf")):
-                scope.findings.trouble(expr.span, "number-too-large", "this number is too large")
             return "int" if value % 1 == 0 else "number"
         case ast.Text():
             return "string"
@@ -150,12 +149,10 @@ def _binary(scope: Scope, expr: ast.Binary) -> ValueType:
     return record.result
 
 
-def _common(
-    scope: Scope, span: ast.Span, values: tuple[ast.Expr, ...], what: str
-) -> ValueType:
+def _common(scope: Scope, span: ast.Span, values: tuple[ast.Expr, ...], what: str) -> ValueType:
     """The type that all values have; they must have one."""
     types = [type_of(scope, value) for value in values]
-    known = next((each for each in types if each != "any"), "any")
+    known: ValueType = next((each for each in types if each != "any"), "any")
     found: ValueType | None = types[0] if types else "any"
     for value, each in zip(values, types, strict=True):
         if each == "any" and isinstance(value, ast.Name):
@@ -180,8 +177,12 @@ def _name(scope: Scope, name: ast.Name) -> ValueType:
         return _column(scope, name, row, column)
     if isinstance(local, Row):
         shown = local.columns[0] if local.columns else "column"
-        scope.findings.trouble(name.span, "wrong-type", f"`{name.id}` is a row of a table",
-                               hint=f"name a column of it: {name.id}.{shown}")  # fmt: skip
+        scope.findings.trouble(
+            name.span,
+            "wrong-type",
+            f"`{name.id}` is a row of a table",
+            hint=f"name a column of it: {name.id}.{shown}",
+        )
         return "any"
     entry = scope.view.value(name.id)
     if entry is not None:
@@ -217,12 +218,20 @@ def _entry(scope: Scope, name: ast.Name, entry: ValueEntry) -> ValueType:
     match entry.kind:
         case "function":
             names = ", ".join(entry.parameters)
-            scope.findings.trouble(name.span, "wrong-type", f"`{name.id}` is a function",
-                                   expected=f"its arguments: {name.id}({names})")  # fmt: skip
+            scope.findings.trouble(
+                name.span,
+                "wrong-type",
+                f"`{name.id}` is a function",
+                expected=f"its arguments: {name.id}({names})",
+            )
             return "any"
         case "table":
-            scope.findings.trouble(name.span, "wrong-type", f"`{name.id}` is a table, not a value",
-                                   hint=f"take its rows: repeat(r in {name.id}) {{ … }}")  # fmt: skip
+            scope.findings.trouble(
+                name.span,
+                "wrong-type",
+                f"`{name.id}` is a table, not a value",
+                hint=f"take its rows: repeat(r in {name.id}) {{ … }}",
+            )
             return "any"
         case "context":
             scope.findings.not_ready.append((name.id, name.span))
@@ -241,10 +250,9 @@ def _unknown_name(scope: Scope, name: ast.Name) -> None:
     message = f"nothing is called `{name.id}` here"
     if dot and scope.view.is_import(alias):
         message = f"`{alias}` has nothing called `{rest}`"
-    known = {*scope.locals, *environment.names(), *CONSTANTS, *QUERIES}
-    scope.findings.trouble(
-        name.span, "unknown-name", message, suggestions=nearest(name.id, known)
-    )
+    known = chain(environment.names(), CONSTANTS, QUERIES)
+    close = (*environment.nearest("value", name.id, known), *scope.locals)
+    scope.findings.trouble(name.span, "unknown-name", message, suggestions=nearest(name.id, close))
 
 
 # ----------------------------------------------------------------------------- calls
@@ -253,9 +261,11 @@ def _unknown_name(scope: Scope, name: ast.Name) -> None:
 def _call(scope: Scope, call: ast.Call) -> ValueType:
     for argument in call.args:
         if argument.name is not None:
-            scope.findings.trouble(argument.span, "wrong-arguments",
-                                   f"functions take their arguments by place, not by name: "
-                                   f"`{argument.name}:`")  # fmt: skip
+            scope.findings.trouble(
+                argument.span,
+                "wrong-arguments",
+                f"functions take their arguments by place, not by name: `{argument.name}:`",
+            )
     entry = scope.view.value(call.name)
     if entry is not None and entry.kind == "function":
         scope.findings.reads.setdefault(call.name, call.span)
@@ -285,9 +295,12 @@ def _call(scope: Scope, call: ast.Call) -> ValueType:
 def _arguments(scope: Scope, call: ast.Call, params: tuple[Param, ...]) -> ValueType:
     """Check a call's arguments; the common type of those that may be anything."""
     if not takes(params, len(call.args)):
-        scope.findings.trouble(call.span, "wrong-arguments",
-                               f"`{call.name}` takes {arguments(counts(params))}, "
-                               f"here it has {len(call.args) or 'none'}")  # fmt: skip
+        scope.findings.trouble(
+            call.span,
+            "wrong-arguments",
+            f"`{call.name}` takes {arguments(counts(params))}, "
+            f"here it has {len(call.args) or 'none'}",
+        )
     free: list[ast.Expr] = []
     for index, argument in enumerate(call.args):
         param = params[min(index, len(params) - 1)] if params else Param("value", "any")
@@ -309,12 +322,13 @@ def _unknown_function(scope: Scope, call: ast.Call, entry: ValueEntry | None) ->
         message = f"`{call.name}` is a rule, not a function"
     else:
         message = f"no function is called `{call.name}`"
-    known = {*FUNCTIONS, *scope.view.environment.names()}
+    environment = scope.view.environment
+    known = chain(FUNCTIONS, environment.names())
     scope.findings.trouble(
         ast.Span(call.span.start, call.span.start + len(call.name)),
         "unknown-function",
         message,
-        suggestions=() if entry is not None else nearest(call.name, known),
+        suggestions=() if entry else environment.nearest("function", call.name, known),
     )
 
 
@@ -340,7 +354,9 @@ def arguments(bounds: tuple[int, int | None]) -> str:
         return f"{low} arguments or more"
     if low == high:
         return f"{low} argument" if low == 1 else f"{low} arguments"
-    return f"at most {high} argument{'s' * (high > 1)}" if low == 0 else f"{low} to {high} arguments"
+    return (
+        f"at most {high} argument{'s' * (high > 1)}" if low == 0 else f"{low} to {high} arguments"
+    )
 
 
 def article(word: str) -> str:
@@ -363,27 +379,3 @@ def constant(expr: ast.Expr) -> float | None:
             return FUNCTIONS[OPERATORS[op]].single(first, second)
         case _:
             return None
-
-
-def inexact_part(scope: Scope, expr: ast.Expr) -> ast.Name | ast.Call | None:
-    """The first part of an expression whose last bits depend on the machine, if there is one."""
-    match expr:
-        case ast.Name(name):
-            entry = None if name in scope.locals else scope.view.value(name)
-            return None if entry is None or entry.exact else expr
-        case ast.Call(name, args):
-            record, entry = FUNCTIONS.get(name), scope.view.value(name)
-            if (record is not None and not record.exact) or (entry is not None and not entry.exact):
-                return expr
-            parts: tuple[ast.Expr, ...] = tuple(each.value for each in args)
-        case ast.Unary(value=value):
-            parts = (value,)
-        case ast.Binary(left=left, right=right):
-            parts = (left, right)
-        case ast.If(condition, value, other):
-            parts = (condition, value, other)
-        case ast.Tuple(items):
-            parts = items
-        case _:
-            parts = ()
-    return next((found for part in parts if (found := inexact_part(scope, part))), None)

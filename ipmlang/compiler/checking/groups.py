@@ -42,8 +42,11 @@ class Group:
         offsets = self.file.grammar.offsets
         labels: tuple[Label, ...] = ()
         if other is not None:
-            labels = (Label(offsets[other[0]] + other[1].start, offsets[other[0]] + other[1].end,
-                            other[2]),)  # fmt: skip
+            labels = (
+                Label(
+                    offsets[other[0]] + other[1].start, offsets[other[0]] + other[1].end, other[2]
+                ),
+            )
         return Diagnostic(
             code,
             message,
@@ -81,15 +84,23 @@ def _definitions(group: Group) -> Iterator[Diagnostic]:
     for (name, _, _), places in group.environment.rules.items():
         entry = group.environment.values.get(name)
         if entry is not None and entry.kind == "asset":
-            yield group.diagnostic(places[0], _head(group, places[0]), "duplicate-name",
-                                   f"`{name}` is an asset, and cannot have rules too",
-                                   other=(first[name], _place(group, first[name]), "the asset"))  # fmt: skip
+            yield group.diagnostic(
+                places[0],
+                _head(group, places[0]),
+                "duplicate-name",
+                f"`{name}` is an asset, and cannot have rules too",
+                other=(first[name], _place(group, first[name]), "the asset"),
+            )
 
 
 def _twice(group: Group, index: int, first: int, name: str) -> Diagnostic:
-    return group.diagnostic(index, _place(group, index), "duplicate-name",
-                            f"`{name}` is defined twice",
-                            other=(first, _place(group, first), "defined here first"))  # fmt: skip
+    return group.diagnostic(
+        index,
+        _place(group, index),
+        "duplicate-name",
+        f"`{name}` is defined twice",
+        other=(first, _place(group, first), "defined here first"),
+    )
 
 
 def _place(group: Group, index: int) -> ast.Span:
@@ -114,33 +125,55 @@ def _versions(group: Group) -> Iterator[Diagnostic]:
     for index, item in versions:
         if index > 0:
             twice = isinstance(items[0], ast.Version)
-            message = "the language version is given twice" if twice else (
-                "the language version must stand first")  # fmt: skip
+            message = (
+                "the language version is given twice"
+                if twice
+                else ("the language version must stand first")
+            )
             yield group.diagnostic(index, item.span, "misplaced-version", message)
     if items and not versions:
-        yield group.diagnostic(0, _place(group, 0), "no-version",
-                               "this file does not say its language version", warning=True,
-                               hint="write `ipm 1` as the first line")  # fmt: skip
+        yield group.diagnostic(
+            0,
+            _place(group, 0),
+            "no-version",
+            "this file does not say its language version",
+            warning=True,
+            hint="write `ipm 1` as the first line",
+        )
 
 
 def _starts(group: Group) -> Iterator[Diagnostic]:
     starts = [index for index, item in group.environment.others if isinstance(item, ast.Start)]
     for index in starts[1:]:
-        yield group.diagnostic(index, _place(group, index), "two-starts",
-                               "a grammar has one `start`, this is another",
-                               other=(starts[0], _place(group, starts[0]), "the first"))  # fmt: skip
+        yield group.diagnostic(
+            index,
+            _place(group, index),
+            "two-starts",
+            "a grammar has one `start`, this is another",
+            other=(starts[0], _place(group, starts[0]), "the first"),
+        )
     if not starts and not group.file.problems:
         end = len(group.file.source.text.rstrip())
-        yield Diagnostic("no-start", "nothing says where to start", "error", group.file.source,
-                         end, end, hint="add a line such as: start Fence")  # fmt: skip
+        yield Diagnostic(
+            "no-start",
+            "nothing says where to start",
+            "error",
+            group.file.source,
+            end,
+            end,
+            hint="add a line such as: start Fence",
+        )
 
 
 # ----------------------------------------------------------------- rules of one symbol
 
 
 def _alternatives(group: Group, places: Sequence[int]) -> Iterator[Diagnostic]:
-    rules = [(index, rule) for index in places
-             if isinstance(rule := group.file.grammar.items[index], ast.Rule)]  # fmt: skip
+    rules = [
+        (index, rule)
+        for index in places
+        if isinstance(rule := group.file.grammar.items[index], ast.Rule)
+    ]
     yield from _unreachable(group, rules)
     yield from _chances(group, rules)
 
@@ -157,11 +190,14 @@ def _unreachable(group: Group, rules: _Rules) -> Iterator[Diagnostic]:
         if taken is not None:
             otherwise = isinstance(taken[1].guard, ast.Otherwise)
             why = "after `else`" if otherwise else "after one that is always taken"
-            yield group.diagnostic(index, rule.head.span, "unreachable-rule",
-                                   f"this rule for `{rule.head.name}` stands {why}, "
-                                   "and is never reached",
-                                   other=(taken[0], taken[1].head.span, "this one is taken"),
-                                   hint="put the rule that is always taken last")  # fmt: skip
+            yield group.diagnostic(
+                index,
+                rule.head.span,
+                "unreachable-rule",
+                f"this rule for `{rule.head.name}` stands {why}, and is never reached",
+                other=(taken[0], taken[1].head.span, "this one is taken"),
+                hint="put the rule that is always taken last",
+            )
         elif _is_always(rule):
             always[context] = (index, rule)
 
@@ -189,20 +225,31 @@ def _chances(group: Group, rules: _Rules) -> Iterator[Diagnostic]:
         if len(kinds) == 2 and kinds[rule.chance.kind][0] == index:
             first = next(iter(kinds.values()))
             assert first[1].chance is not None
-            yield group.diagnostic(index, rule.chance.span, "mixed-chances",
-                                   f"the rules for `{rule.head.name}` mix percentages and weights",
-                                   other=(first[0], first[1].chance.span, "the other kind"),
-                                   hint="use one kind for all rules of a symbol")  # fmt: skip
-        if rule.chance.kind != "percent" or rule.guard is not None or rule.head.left or (
-            rule.head.right
-        ):  # fmt: skip
+            yield group.diagnostic(
+                index,
+                rule.chance.span,
+                "mixed-chances",
+                f"the rules for `{rule.head.name}` mix percentages and weights",
+                other=(first[0], first[1].chance.span, "the other kind"),
+                hint="use one kind for all rules of a symbol",
+            )
+        if (
+            rule.chance.kind != "percent"
+            or rule.guard is not None
+            or rule.head.left
+            or (rule.head.right)
+        ):
             continue
         total += constant(rule.chance.value) or 0.0
         if total > 100.0 + 1e-9 and not over:
             over = True
-            yield group.diagnostic(index, rule.chance.span, "over-100-percent",
-                                   f"the percentages of `{rule.head.name}` sum to {total:g}",
-                                   hint="they must not sum to more than 100")  # fmt: skip
+            yield group.diagnostic(
+                index,
+                rule.chance.span,
+                "over-100-percent",
+                f"the percentages of `{rule.head.name}` sum to {total:g}",
+                hint="they must not sum to more than 100",
+            )
 
 
 # ------------------------------------------------------------------ types of arguments
@@ -220,9 +267,13 @@ def _argument_types(group: Group) -> Iterator[Diagnostic]:
             for site in findings.calls[key]:
                 for (name, kind), given in zip(parameters, site.types, strict=False):
                     if not fits(given, kind):
-                        yield group.diagnostic(index, site.span, "wrong-type",
-                                               f"`{name}` of `{key[0]}` must be {PHRASES[kind]}, and this "
-                                               f"call gives {PHRASES[given]}")  # fmt: skip
+                        yield group.diagnostic(
+                            index,
+                            site.span,
+                            "wrong-type",
+                            f"`{name}` of `{key[0]}` must be {PHRASES[kind]}, and this "
+                            f"call gives {PHRASES[given]}",
+                        )
 
 
 _Parameters = tuple[tuple[str, ValueType], ...]
@@ -230,7 +281,8 @@ _Parameters = tuple[tuple[str, ValueType], ...]
 
 def _asked(group: Group) -> dict[Key, _Parameters]:
     """For each symbol one of whose parameters must be something else than a number, its parameters
-    with the types asked of them."""
+    with the types asked of them.
+    """
     found: dict[Key, _Parameters] = {}
     for index, findings in enumerate(group.findings):
         item = group.file.grammar.items[index] if findings.asks else None
@@ -246,7 +298,12 @@ def _parameters(group: Group, key: Key) -> _Parameters:
     for interpret in (False, True):
         for index in group.environment.rules.get((*key, interpret), ()):
             later = group.findings[index].parameters
-            found = later if not found else tuple(
-                one if one[1] != "any" else other for one, other in zip(found, later, strict=True)
-            )  # fmt: skip
+            found = (
+                later
+                if not found
+                else tuple(
+                    one if one[1] != "any" else other
+                    for one, other in zip(found, later, strict=True)
+                )
+            )
     return found

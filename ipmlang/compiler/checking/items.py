@@ -7,17 +7,18 @@ In go an item and a view of the names around it, out come findings. What several
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Literal
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.checked import ValueEntry
 from ipmlang.compiler.checking.arguments import check_argument
-from ipmlang.compiler.checking.elements import check_body, warn_inexact_guard
+from ipmlang.compiler.checking.elements import check_body
 from ipmlang.compiler.checking.environment import Environment, View
+from ipmlang.compiler.checking.exactness import inexact_part, warn_inexact
 from ipmlang.compiler.checking.expressions import (
     Scope,
     Slot,
     constant,
-    inexact_part,
     type_of,
     want,
 )
@@ -26,7 +27,7 @@ from ipmlang.compiler.checking.starts import check_start
 from ipmlang.compiler.diagnostics import nearest
 from ipmlang.compiler.ops import CONSTANTS, FUNCTIONS, SETTINGS
 from ipmlang.compiler.ops.record import Param, ValueType
-from ipmlang.compiler.ops.settings import CANVAS_NUMBERS, VERSIONS
+from ipmlang.compiler.ops.settings import VERSIONS
 from ipmlang.compiler.types import ATTR_TYPES, NUMERIC, PHRASES, fits
 
 
@@ -109,7 +110,7 @@ def _rule(scope: Scope, rule: ast.Rule) -> None:
         scope.findings.trouble(head.span, "reserved-name", "`nil` makes nothing and has no rules")
     if rule.guard is not None and not isinstance(rule.guard, ast.Otherwise):
         want(scope, rule.guard, "bool", "a guard")
-        warn_inexact_guard(scope, rule.guard)
+        warn_inexact(scope, rule.guard, "this guard")
     if rule.chance is not None:
         _chance(scope, rule.chance)
     check_body(scope, rule.body)
@@ -134,8 +135,9 @@ def _parameters(
 def _bind(scope: Scope, parameters: Sequence[ast.Parameter]) -> None:
     for parameter in parameters:
         if parameter.name in scope.locals:
-            scope.findings.trouble(parameter.span, "duplicate-name",
-                                   f"two parameters are called `{parameter.name}`")  # fmt: skip
+            scope.findings.trouble(
+                parameter.span, "duplicate-name", f"two parameters are called `{parameter.name}`"
+            )
         scope.locals[parameter.name] = Slot()
 
 
@@ -147,16 +149,20 @@ def _slot_type(scope: Scope, name: str) -> ValueType:
 def _chance(scope: Scope, chance: ast.Chance) -> None:
     what = "a percentage" if chance.kind == "percent" else "a weight"
     want(scope, chance.value, "number", what)
-    warn_inexact_guard(scope, chance.value)
+    warn_inexact(scope, chance.value, what)
     value = constant(chance.value)
     if value is None:
         return
     if value < 0:
-        scope.findings.trouble(chance.value.span, "out-of-range",
-                               f"{what} is {value:g}, and cannot be negative")  # fmt: skip
+        scope.findings.trouble(
+            chance.value.span, "out-of-range", f"{what} is {value:g}, and cannot be negative"
+        )
     elif chance.kind == "percent" and value > 100:
-        scope.findings.trouble(chance.value.span, "over-100-percent",
-                               f"a percentage is {value:g}, and cannot be above 100")  # fmt: skip
+        scope.findings.trouble(
+            chance.value.span,
+            "over-100-percent",
+            f"a percentage is {value:g}, and cannot be above 100",
+        )
 
 
 # ----------------------------------------------------------- attributes and functions
@@ -166,8 +172,12 @@ def _new_name(scope: Scope, name: str, span: ast.Span) -> None:
     """A name of the file must not hide a built-in one."""
     if name in FUNCTIONS or name in CONSTANTS:
         kind = "function" if name in FUNCTIONS else "constant"
-        scope.findings.trouble(span, "duplicate-name", f"`{name}` is a built-in {kind} already",
-                               hint="give it another name")  # fmt: skip
+        scope.findings.trouble(
+            span,
+            "duplicate-name",
+            f"`{name}` is a built-in {kind} already",
+            hint="give it another name",
+        )
 
 
 def _attr(scope: Scope, attr: ast.Attr) -> None:
@@ -175,9 +185,13 @@ def _attr(scope: Scope, attr: ast.Attr) -> None:
     what = f"the default of `{attr.name}`"
     declared = ATTR_TYPES.get(attr.type or "")
     if attr.type is not None and declared is None:
-        scope.findings.trouble(attr.span, "unknown-type", f"there is no type `{attr.type}`",
-                               expected=", ".join(f"`{each}`" for each in ATTR_TYPES),
-                               suggestions=nearest(attr.type, ATTR_TYPES))  # fmt: skip
+        scope.findings.trouble(
+            attr.span,
+            "unknown-type",
+            f"there is no type `{attr.type}`",
+            expected=", ".join(f"`{each}`" for each in ATTR_TYPES),
+            suggestions=nearest(attr.type, ATTR_TYPES),
+        )
     if declared is not None:
         want(scope, attr.default, declared, what)
         scope.findings.result = declared
@@ -196,9 +210,12 @@ def _allowed(scope: Scope, attr: ast.Attr, kind: ValueType) -> None:
     match attr.allowed:
         case ast.Range(low, high):
             if not fits(kind, "number"):
-                scope.findings.trouble(attr.allowed.span, "wrong-type",
-                                       f"a range is for numbers, and `{attr.name}` is {PHRASES[kind]}",
-                                       hint="list its values: in { …, … }")  # fmt: skip
+                scope.findings.trouble(
+                    attr.allowed.span,
+                    "wrong-type",
+                    f"a range is for numbers, and `{attr.name}` is {PHRASES[kind]}",
+                    hint="list its values: in { …, … }",
+                )
             for end in (low, high):
                 if end is not None:
                     want(scope, end, "number", f"an end of the range of `{attr.name}`")
@@ -207,9 +224,12 @@ def _allowed(scope: Scope, attr: ast.Attr, kind: ValueType) -> None:
             for value in values:
                 want(scope, value, kind, f"a choice of `{attr.name}`")
             if isinstance(attr.default, ast.Number | ast.Text) and attr.default not in values:
-                scope.findings.trouble(attr.default.span, "out-of-range",
-                                       f"the default of `{attr.name}` is none of its choices",
-                                       other=(attr.allowed.span, "the choices"))  # fmt: skip
+                scope.findings.trouble(
+                    attr.default.span,
+                    "out-of-range",
+                    f"the default of `{attr.name}` is none of its choices",
+                    other=(attr.allowed.span, "the choices"),
+                )
         case _:
             pass
 
@@ -220,14 +240,20 @@ def _in_range(scope: Scope, attr: ast.Attr, low: ast.Expr | None, high: ast.Expr
     value = constant(attr.default)
     assert attr.allowed is not None
     if least is not None and most is not None and least > most:
-        scope.findings.trouble(attr.allowed.span, "out-of-range",
-                               f"the range of `{attr.name}` is empty: {least:g} is above {most:g}")  # fmt: skip
+        scope.findings.trouble(
+            attr.allowed.span,
+            "out-of-range",
+            f"the range of `{attr.name}` is empty: {least:g} is above {most:g}",
+        )
     elif value is not None and (
         (least is not None and value < least) or (most is not None and value > most)
     ):
-        scope.findings.trouble(attr.default.span, "out-of-range",
-                               f"the default of `{attr.name}` is {value:g}, outside its range",
-                               other=(attr.allowed.span, "the range"))  # fmt: skip
+        scope.findings.trouble(
+            attr.default.span,
+            "out-of-range",
+            f"the default of `{attr.name}` is {value:g}, outside its range",
+            other=(attr.allowed.span, "the range"),
+        )
 
 
 def _function(scope: Scope, function: ast.Function) -> None:
@@ -253,36 +279,31 @@ def _table(scope: Scope, table: ast.Table) -> None:
     seen: set[str] = set()
     for column in table.columns:
         if column in seen:
-            scope.findings.trouble(table.span, "duplicate-name",
-                                   f"two columns are called `{column}`")  # fmt: skip
+            scope.findings.trouble(
+                table.span, "duplicate-name", f"two columns are called `{column}`"
+            )
         seen.add(column)
-    for number, row in enumerate(table.rows, 1):
+    for row in table.rows:
         for cell in row:
             type_of(scope, cell)
-        if len(row) != len(table.columns):
-            span = ast.Span(row[0].span.start, row[-1].span.end) if row else table.span
-            scope.findings.trouble(span, "wrong-row",
-                                   f"row {number} of `{table.name}` has {len(row)} values for "
-                                   f"{len(table.columns)} columns")  # fmt: skip
 
 
-def _settings(scope: Scope, item: str, settings: Sequence[ast.Setting]) -> None:
-    given: dict[str, ast.Span] = {}
+def _settings(
+    scope: Scope, item: Literal["turtle", "limit"], settings: Sequence[ast.Setting]
+) -> None:
     for setting in settings:
         record = SETTINGS.get((item, setting.key))
         if record is None:
             known = [name for kind, name in SETTINGS if kind == item]
-            scope.findings.trouble(setting.span, "unknown-setting",
-                                   f"`{item}` has no setting `{setting.key}`",
-                                   expected=", ".join(f"`{each}`" for each in known),
-                                   suggestions=nearest(setting.key, known))  # fmt: skip
+            scope.findings.trouble(
+                setting.span,
+                "unknown-setting",
+                f"`{item}` has no setting `{setting.key}`",
+                expected=", ".join(f"`{each}`" for each in known),
+                suggestions=nearest(setting.key, known),
+            )
             type_of(scope, setting.value)
             continue
-        if setting.key in given:
-            scope.findings.trouble(setting.span, "duplicate-name",
-                                   f"`{setting.key}` is set twice",
-                                   other=(given[setting.key], "set here first"))  # fmt: skip
-        given.setdefault(setting.key, setting.span)
         param = Param(setting.key, record.type, above=record.above, words=record.words)
         check_argument(scope, param, setting.value, item)
 
@@ -290,11 +311,6 @@ def _settings(scope: Scope, item: str, settings: Sequence[ast.Setting]) -> None:
 def _canvas(scope: Scope, canvas: ast.Canvas) -> None:
     for number in canvas.box:
         want(scope, number, "number", "a number of the canvas")
-    if len(canvas.box) != CANVAS_NUMBERS:
-        scope.findings.trouble(canvas.span, "wrong-arguments",
-                               f"a canvas has {CANVAS_NUMBERS} numbers, here are {len(canvas.box)}",
-                               expected="(x, y, width, height)")  # fmt: skip
-        return
     for number, name in zip(canvas.box[2:], ("width", "height"), strict=True):
         _above_zero(scope, number, f"the canvas's {name}")
 
@@ -302,16 +318,18 @@ def _canvas(scope: Scope, canvas: ast.Canvas) -> None:
 def _above_zero(scope: Scope, expr: ast.Expr, what: str) -> None:
     value = constant(expr)
     if value is not None and value <= 0:
-        scope.findings.trouble(expr.span, "out-of-range",
-                               f"{what} is {value:g}, and must be above 0")  # fmt: skip
+        scope.findings.trouble(
+            expr.span, "out-of-range", f"{what} is {value:g}, and must be above 0"
+        )
 
 
 def _version(scope: Scope, item: ast.Version, number: int) -> None:
     if number not in VERSIONS:
         known = ", ".join(str(each) for each in VERSIONS)
-        scope.findings.trouble(item.span, "unknown-version",
-                               f"version {number} of the language is not known here",
-                               expected=f"`ipm {known}`",
-                               hint="a newer ipmlang may read this file")  # fmt: skip
-
-
+        scope.findings.trouble(
+            item.span,
+            "unknown-version",
+            f"version {number} of the language is not known here",
+            expected=f"`ipm {known}`",
+            hint="a newer ipmlang may read this file",
+        )

@@ -24,9 +24,11 @@ def near_misses(terminals: Iterable[str], known: Iterable[str]) -> Mapping[str, 
     found: dict[str, str] = {}
     for name in wanted:
         close = [
-            other for left in _without_one(name) for other in index.get(left, ())
+            other
+            for left in _without_one(name)
+            for other in index.get(left, ())
             if other != name and is_slip(name, other)
-        ]  # fmt: skip
+        ]
         if close:
             found[name] = min(close)
     return found
@@ -38,7 +40,8 @@ def _without_one(name: str) -> list[str]:
 
 def is_slip(first: str, second: str) -> bool:
     """Whether two names differ by one letter left out, added, changed, or swapped with its
-    neighbour, and that letter is no digit."""
+    neighbour, and that letter is no digit.
+    """
     start = 0
     while start < min(len(first), len(second)) and first[start] == second[start]:
         start += 1

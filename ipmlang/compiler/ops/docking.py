@@ -10,8 +10,10 @@ from ipmlang.compiler.ops.record import Param
 from ipmlang.compiler.ops.scope import planned
 
 TABLE = (
-    planned("tile", "Lay pieces out on a grid: each count n gives an axis the cells before, 1 to n, and "
-            "after; a piece's label has one digit an axis: 1 before, 2 repeated, 3 after. `by` is the "
+    planned("tile", "Lay pieces out on a grid: each count n gives an axis the cells before, 1 to "
+                    "n, and "
+            "after; a piece's label has one digit an axis: 1 before, 2 repeated, 3 after. `by` "
+            "is the "
             "step of the first axis; the steps of further axes follow it.",
             ((Param("counts", "any", many=True), Param("by", "vector", named=True)),),
             ("tile(4, by: (2.4, 0, 0)) { 1: corner | 2: bay | 3: corner }",

@@ -102,7 +102,8 @@ NUMBERS = (
     _rounding("ceil", "The least whole number not below it, snapped.", exact.ceil, exact.ceil_one),
     _rounding("round", "The nearest whole number, halves away from zero.",
               exact.nearest_whole, exact.nearest_whole_one),
-    Function("mod", "What a leaves when divided by b, with b's sign; 0 where a snaps to a multiple.",
+    Function("mod", "What a leaves when divided by b, with b's sign; 0 where a snaps to a "
+                    "multiple.",
              _A_B, "number", exact.mod, exact.mod_one,
              examples=("mod(7, 3)",), refused=("mod(7)",)),
     Function("clamp", "`a`, or the bound that it passes.",
@@ -136,7 +137,8 @@ INEXACT = (
     _inexact("pow", "`a` to the power of `b`.", inexact.power, _A_B),
     _inexact("exp", "e to the power of `a`.", inexact.exponential),
     _inexact("log", "The natural logarithm.", inexact.logarithm),
-    Function("noise", "Smooth noise from -1 to 1 over the line, the plane or space; always the same.",
+    Function("noise", "Smooth noise from -1 to 1 over the line, the plane or space; always the "
+                      "same.",
              (Param("x"), Param("y", optional=True), Param("z", optional=True)), "number",
              inexact.noise, inexact.one(inexact.noise), exact=False,
              examples=("noise(0.3)", "noise(0.3, 1.2)"), refused=("noise()",)),

@@ -116,7 +116,8 @@ _FAR = (
 
 
 def _ratio(curve: tuple[tuple[float, ...], tuple[float, ...]], x: Batch) -> Batch:
-    return np.divide(np.polyval(curve[0], x), np.polyval(curve[1], x))
+    quotient: Batch = np.divide(np.polyval(curve[0], x), np.polyval(curve[1], x))
+    return quotient
 
 
 def normal(u: Batch, mean: Batch, deviation: Batch) -> Batch:
@@ -128,7 +129,8 @@ def normal(u: Batch, mean: Batch, deviation: Batch) -> Batch:
         tail = np.where(depth <= 5.0, _ratio(_SIDE, depth - 1.6), _ratio(_FAR, depth - 5.0))
         centre = offset * _ratio(_MIDDLE, 0.180625 - offset * offset)
         value = np.where(np.abs(offset) <= 0.425, centre, np.copysign(tail, offset))
-        return np.add(mean, np.multiply(deviation, value))
+        drawn: Batch = np.add(mean, np.multiply(deviation, value))
+        return drawn
 
 
 def noise(x: Batch, y: Batch | float = 0.0, z: Batch | float = 0.0) -> Batch:

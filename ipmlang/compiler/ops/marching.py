@@ -16,9 +16,11 @@ TABLE = (
               number("search")),),
             ("march(2, 0) { top: Ivy | extruded: Bark }",
              "march(2, rand(-90, 90), when: 2 > 1, search: 180) { top: Ivy }"),
-            ("march(2) { top: Ivy }", "march(2, 0) { side: Ivy }", 'march(2, 0, when: "always") { top: A }'),
+            ("march(2) { top: Ivy }", "march(2, 0) { side: Ivy }", 'march(2, 0, when: "always") '
+            '{ top: A }'),
             family="marching", effect="structure", labels=("top", "extruded")),
-    planned("tube", "Draw a tube of a radius along the way; `at each segment` places what is in braces.",
+    planned("tube", "Draw a tube of a radius along the way; `at each segment` places what is in "
+                    "braces.",
             ((Param("radius", above=0), Param("sides", "int", optional=True, named=True, above=2),
               words("smooth", "C0", "C1", "C2", named=True, optional=True)),),
             ("tube(0.01)", "tube(0.01, sides: 12, smooth: C1) at each segment { leaf }"),

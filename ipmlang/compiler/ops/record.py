@@ -42,7 +42,8 @@ class Param:
 class Step:
     """One IR instruction of an operation's meaning. Each arg is a parameter's name (optionally
     negated: `-angle`), or a number; a parameter that was left out takes `defaults` of the record.
-    The op `body` stands for the parts in braces (`polygon { … }`)."""
+    The op `body` stands for the parts in braces (`polygon { … }`).
+    """
 
     op: str
     args: tuple[str | float, ...] = ()
@@ -56,8 +57,9 @@ class Operation:
     `forms`: parameter lists it accepts, tried in order (most have one). `defaults`: what an omitted
     parameter takes: a number, or a turtle setting's name (`angle`, `step`, `width`).
     `meaning`: IR steps per form, same order as `forms`; empty when no executor runs it yet.
-    `labels`: None when it takes no braces, else the labels its parts may bear ("*": any number, "*123": one of these digits alone, "#":
-    any name, '""': any text, "": parts without label). `bare`: the braces may be left out. `axes`: words that may follow the name (split x).
+    `labels`: None when it takes no braces, else the labels its parts may bear ("*": any number,
+    "*123": a number of these digits, "#": any name, '""': any text, "": parts without label).
+    `bare`: the braces may be left out. `axes`: words that may follow the name (split x).
     `effect`: motion and pen leak out of a rule, scope ends with the body.
     `leaves_plane`: it can leave z = 0 (makes a program 3-D).
     `examples` must parse and check as a successor; `refused` must give at least one error.
@@ -86,8 +88,8 @@ Batch: TypeAlias = "NDArray[np.float64]"
 class Function:
     """A pure function of expressions, arithmetic and comparison included (`+` has name `add`).
 
-    `batch` maps f64 arrays (or scalars) to an array, `single` Python floats to a float, with the same
-    bits. `result` is its type. `exact`: the same on every back end, so it may feed a guard.
+    `batch` maps f64 arrays (or scalars) to an array, `single` Python floats to a float, with the
+    same bits. `result` is its type. `exact`: the same on every back end, so it may feed a guard.
     `random`: it draws, and takes the uniform of its call site as a hidden first argument.
     """
 
@@ -107,7 +109,8 @@ class Function:
 class Query:
     """A function or a dotted name (`params` is None) that asks about where a shape stands:
     `inside(Wall)`, `split.index`. It has no body of its own: executors answer it. `family` says
-    which operations it goes with; `ready`: some executor answers it."""
+    which operations it goes with; `ready`: some executor answers it.
+    """
 
     name: str
     doc: str
@@ -122,7 +125,8 @@ class Query:
 @dataclass(frozen=True, slots=True)
 class SettingRecord:
     """One word of a `turtle` or `limit` item. `default` is what holds without it, None: nothing;
-    `words` are the bare words it may be; `above` as in Param."""
+    `words` are the bare words it may be; `above` as in Param.
+    """
 
     item: Literal["turtle", "limit"]
     name: str

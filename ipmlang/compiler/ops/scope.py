@@ -71,11 +71,13 @@ PLACE = (
     planned("alignScopeToAxes", "Turn the scope so that its y axis is the world's, or all axes.",
             ((), (words("axis", "x", "y", "z"),)), ("alignScopeToAxes(y) Mass",),
             ("alignScopeToAxes(3)",)),
-    planned("alignScopeToGeometry", "Fit the scope to its geometry: z out of the largest face, x along "
+    planned("alignScopeToGeometry", "Fit the scope to its geometry: z out of the largest face, x "
+                                    "along "
             "its lowest or longest edge.",
             ((), (words("edge", "lowest", "longest", "first"),)),
             ("alignScopeToGeometry Roof",), ("alignScopeToGeometry(3)",)),
-    planned("pivot", "Put the scope's origin at a corner, an edge's middle or the middle of its box.",
+    planned("pivot", "Put the scope's origin at a corner, an edge's middle or the middle of its "
+                     "box.",
             ((words("place", "corner", "bottom", "middle", "top"),),), ("pivot(middle) Lamp",),
             ("pivot(9)",)),
 )  # fmt: skip
@@ -92,7 +94,8 @@ FLOW = (
     planned("report", "Add a number to the report's sum under a key.",
             ((Param("key", "string"), Param("value")),), ('report("area", 12) Wall',),
             ('report("area")', 'report("area", "big")'), effect="structure"),
-    planned("phase", "Expand what follows only when all shapes of earlier phases are done, so that it "
+    planned("phase", "Expand what follows only when all shapes of earlier phases are done, so "
+                     "that it "
             "can ask for totals.", ((Param("number", "int"),),), ("phase(2) Door",), ("phase",),
             effect="structure"),
 )  # fmt: skip
@@ -102,7 +105,8 @@ LOOK = (
             ((Param("file", "string", suffixes=(".png", ".jpg", ".jpeg")),),), (),
             ("texture(1)", 'texture("nowhere.png") Wall'),
             family="pen", effect="pen"),
-    planned("setupProjection", "Lay texture coordinates on the scope's plane, tiles of the given size.",
+    planned("setupProjection", "Lay texture coordinates on the scope's plane, tiles of the given "
+                               "size.",
             ((words("plane", "xy", "xz", "yz"), Param("width"), Param("height")),),
             ("setupProjection(xy, 2, 1) Wall",), ("setupProjection(2, 1)",)),
     planned("projectUV", "Apply the projection that was set up.", ((),), ("projectUV Wall",),

@@ -25,6 +25,5 @@ TABLE = (
 )  # fmt: skip
 
 VERSIONS = (1,)
-CANVAS_NUMBERS = 4
 DIRECTIONS = ("uniform", "up", "down")  # `start … direction`: where walkers first look
 AVOIDABLE = ("collisions",)  # `start … avoiding`

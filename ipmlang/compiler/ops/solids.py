@@ -11,8 +11,7 @@ from ipmlang.compiler.ops.scope import number, planned, words
 
 _SIDES = (
     "front", "back", "left", "right", "side", "top", "bottom", "vertical", "horizontal", "aslant",
-    "inside", "all", "eave", "ridge", "slope", "gable", "border", "edge", "vertex", "faces", "edges",
-    "*", '""',
+    "inside", "all", "eave", "ridge", "slope", "gable", "border", "*", '""',
 )  # fmt: skip
 _ARMS = ("shape", "rest", "remainder")
 
@@ -46,7 +45,8 @@ MAKING = (
     _solid("taper", "Raise a polygon into a solid that draws in toward the top.",
            ((Param("height"), Param("inset")), (Param("height"),)), ("taper(4, 0.5) Tower",),
            ("taper",)),
-    _solid("roofGable", "Put a gable roof on a polygon: slope in degrees, overhang, ridge direction.",
+    _solid("roofGable", "Put a gable roof on a polygon: slope in degrees, overhang, ridge "
+                        "direction.",
            (_SLOPE,), ("roofGable(35) comp { slope: Tiles | gable: Wall }",), ("roofGable",)),
     _solid("roofHip", "Put a hip roof on a polygon.", (_SLOPE,),
            ("roofHip(30, overhang: 0.4) Roof",), ("roofHip", 'roofHip("steep")')),
@@ -72,7 +72,8 @@ MAKING = (
     _solid("disk", "Fill the scope's xy plane with a disk.",
            ((), (Param("sides", "int", above=2),)), ("disk(32) Clock",), ("disk(1)",)),
     _solid("insert", "Put an asset into the scope.",
-           ((Param("asset", "asset"), words("fit", "scope", "inside", "none", named=True, optional=True),
+           ((Param("asset", "asset"),
+             words("fit", "scope", "inside", "none", named=True, optional=True),
              Param("keepAspect", "bool", optional=True, named=True),
              words("align", "corner", "bottom", "middle", "top", named=True, optional=True)),),
            ("insert(win)", "insert(win, fit: inside, align: middle)"),
@@ -87,15 +88,18 @@ TAKING_APART = (
             'comp { front and not "street": Wall | 3: Door }'),
            ("comp { sde: Facade }", "comp(3) { top: Roof }", "comp { Facade }", "comp"),
            labels=_SIDES),
-    planned("split", "Cut the shape along an axis into pieces of absolute `4.4`, relative `'0.5` and "
-            "floating `~3` sizes; `{ … }*` repeats whole pieces, `{ … }+` a cut one too. `u` and `v` "
+    planned("split", "Cut the shape along an axis into pieces of absolute `4.4`, relative `'0.5` "
+                     "and "
+            "floating `~3` sizes; `{ … }*` repeats whole pieces, `{ … }+` a cut one too. `u` and "
+            "`v` "
             "cut along texture coordinates, `area` into pieces of given areas.",
             ((), (number("snap", "string"),)),
             ("split y { 4.4: Ground | { ~3.2: Floor }* | 0.6: Cornice }",
              "split x { ~1: Wall | '0.25: Pier | ~1: Wall }"),
             ("split q { 1: A }", 'split x { "big": A }', "split x { -2: A }", "split"),
             family="split", axes=("x", "y", "z", "u", "v", "area")),
-    _solid("setback", "Cut a strip off along the edges; `shape` takes the rest, `border` the strips.",
+    _solid("setback", "Cut a strip off along the edges; `shape` takes the rest, `border` the "
+                      "strips.",
            ((Param("distance"), number("front"), number("side"), number("back"), number("area")),),
            ("setback(2) { shape: Mass | border: Lawn }", "setback(2, front: 4) { shape: Mass }"),
            ("setback { shape: Mass }", "setback(2) { middle: Mass }"), labels=(*_SIDES, *_ARMS)),
@@ -132,11 +136,12 @@ TAKING_APART = (
            ((Param("count", "int"), words("over", "surface", "volume", "scope", named=True,
                                           optional=True)),),
            ("scatter(20, over: surface) Tree",), ("scatter",)),
-    _solid("octant", "Take the eighth of the shape beyond the point (x, y, z): 1 to 8, counted x, y, z.",
+    _solid("octant", "Take the eighth of the shape beyond the point (x, y, z): 1 to 8, counted "
+                     "x, y, z.",
            ((Param("x"), Param("y"), Param("z"), Param("octant", "int")),),
            ("octant(4, 0, 3, 7) Tower",), ("octant(4, 0, 3)",)),
     _solid("subdivide", "Fill the box with nx by ny by nz equal cells.",
-           ((Param("nx", "int", above=0), Param("ny", "int", above=0), Param("nz", "int", above=0)),),
+           (tuple(Param(name, "int", above=0) for name in ("nx", "ny", "nz")),),
            ("subdivide(3, 2, 1) Window",), ("subdivide(3)", "subdivide(0, 1, 1)")),
 )  # fmt: skip
 

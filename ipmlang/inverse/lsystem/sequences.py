@@ -178,8 +178,7 @@ def _turtle_runs(regular: Frames, stretch: Integers, reach: Floats, slack: float
     beta = wrap(step.angle - alpha)
     values = (alpha, distance, step.scale, beta)
     weights = (np.deg2rad(arm), size, arm, np.deg2rad(arm))
-    inner = (stretch[1:] == stretch[:-1]) & (np.diff(step.handedness, prepend=1) == 0)
-    inner |= (stretch[1:] == stretch[:-1]) & (np.roll(stretch, 1)[:-1] != stretch[:-1])
+    inner = stretch[1:] == stretch[:-1]
     same = inner[1:] & inner[:-1] & (step.handedness[1:] == step.handedness[:-1])
     constant, linear = same.copy(), (same[1:] & same[:-1] & (step.handedness[2:] > 0))
     for column, (value, weight) in enumerate(zip(values, weights, strict=True)):

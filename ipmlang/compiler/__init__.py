@@ -1,0 +1,46 @@
+"""The compiler, phase by phase: load, parse, check, lower, verify.
+
+A text becomes trees (`load` reads files and has each parsed, with what they import), trees become a
+checked grammar, a checked grammar becomes a program of the typed IR, and the program is verified
+before anybody runs it. Each phase takes one type and returns one type plus diagnostics; only `load`
+reads files, and nothing here derives, infers or prints.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ipmlang.compiler.check import check
+from ipmlang.compiler.checked import Checked
+from ipmlang.compiler.diagnostics import Diagnostic, IpmError
+from ipmlang.compiler.ir import Program
+from ipmlang.compiler.load import Loaded, load, load_text
+from ipmlang.compiler.lower import lower
+
+__all__ = ["check", "compile_file", "compile_loaded", "compile_text", "load", "lower"]
+
+
+def compile_file(
+    path: Path, *, allow_outside: bool = False
+) -> tuple[Checked, Program, tuple[Diagnostic, ...]]:
+    """A grammar file as a checked grammar, a program and the warnings on the way.
+
+    Raises IpmError with every error of the file.
+    """
+    return compile_loaded(load(path, allow_outside))
+
+
+def compile_text(
+    text: str, *, folder: Path = Path()
+) -> tuple[Checked, Program, tuple[Diagnostic, ...]]:
+    """The same for a text whose assets and imports lie in `folder`."""
+    return compile_loaded(load_text(text, folder))
+
+
+def compile_loaded(loaded: Loaded) -> tuple[Checked, Program, tuple[Diagnostic, ...]]:
+    """The same for loaded files."""
+    checked = check(loaded)
+    errors = [each for each in checked.diagnostics if each.severity == "error"]
+    if errors:
+        raise IpmError(errors)
+    return checked, lower(checked), checked.diagnostics

@@ -1,0 +1,337 @@
+"""Post-processing of found rules (section 5.7 of the paper): only rules that pay are left, each
+symbol has the frame in which its rule is shortest.
+
+Takes the string and alphabet of a search; gives a book of rules that `build` prints. What is drawn
+stays the same: every step moves numbers from one rule to another. Nothing here prints.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipmlang.inverse.lsystem.frames import Frames, compose, frames, identity, inverse, join
+from ipmlang.inverse.lsystem.patterns import Pattern
+from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers
+from ipmlang.inverse.score import COUNTED, HEAD, SMALL, placement_tokens
+
+AXIOM = -1
+
+
+@dataclass(slots=True, eq=False)
+class Body:
+    """Symbols at places, in paint order: what a group's rule or the axiom says."""
+
+    parts: Integers
+    places: Frames
+
+
+@dataclass(slots=True, eq=False)
+class Loop:
+    """A sequence's rule: copies of `part` by a pattern; where[0] is the frame of the first copy, the
+    identity until the rule is re-centred on a ring's middle."""
+
+    part: int
+    pattern: Pattern
+    where: Frames
+
+
+@dataclass(slots=True, eq=False)
+class Book:
+    """All rules that are left. bodies: by group symbol, AXIOM for the axiom; loops: by family;
+    family, count: of every symbol that is a sequence; wrap: effects of the axiom's rows; size: of
+    every symbol, in elements; small: units, what is printed as 0.
+    """
+
+    bodies: dict[int, Body]
+    loops: dict[int, Loop]
+    family: dict[int, int]
+    count: dict[int, int]
+    wrap: Integers
+    size: Integers
+    small: float
+
+    def uses(self) -> Counter[int]:
+        """How often each rule or terminal is named (sequences by family)."""
+        found: Counter[int] = Counter()
+        for body in self.bodies.values():
+            found.update(self.family.get(part, part) for part in body.parts.tolist())
+        found.update(self.family.get(loop.part, loop.part) for loop in self.loops.values())
+        return found
+
+    def drop_unused(self) -> None:
+        """Forget rules that nothing names any more."""
+        while True:
+            used = self.uses()
+            dead = [rule for rule in self.bodies if rule != AXIOM and not used[rule]]
+            idle = [rule for rule in self.loops if not used[rule]]
+            for rule in dead:
+                del self.bodies[rule]
+            for rule in idle:
+                del self.loops[rule]
+            if not dead and not idle:
+                return
+
+
+def make_book(alphabet: Alphabet, string: Arrangement) -> Book:
+    """The rules that the string needs, as they were found."""
+    book = Book(
+        {AXIOM: Body(string.symbol.copy(), string.placed)},
+        {},
+        {},
+        {},
+        string.wrap,
+        np.array([each.size for each in alphabet.definitions], np.int64),
+        alphabet.tolerance / 30,
+    )
+    waiting = np.unique(string.symbol).tolist()
+    while waiting:
+        symbol = waiting.pop()
+        definition = alphabet[symbol]
+        if definition.terminal or symbol in book.bodies or symbol in book.family:
+            continue
+        if definition.pattern is not None:
+            book.family[symbol] = definition.family
+            book.count[symbol] = len(definition.parts)
+            part = int(definition.parts[0])
+            loop = Loop(part, _plain(definition.pattern), identity(1))
+            book.loops.setdefault(definition.family, loop)
+            waiting.append(part)
+        else:
+            book.bodies[symbol] = Body(definition.parts, definition.places)
+            waiting += np.unique(definition.parts).tolist()
+    return book
+
+
+def _plain(pattern: Pattern) -> Pattern:
+    """A turtle that neither turns nor grows goes in even steps."""
+    alpha, distance, scale, beta = pattern.base
+    straight = abs(alpha + beta) <= SMALL and abs(scale - 1) <= SMALL
+    if pattern.kind == "even" or pattern.mirrored or not pattern.constant or not straight:
+        return pattern
+    step = frames(np.array([distance + 0j]))
+    turned = compose(frames(np.zeros(1, np.complex128), alpha), step)
+    return Pattern("even", (float(turned.x[0]), float(turned.y[0]), 0.0, 0.0))
+
+
+def simplify(book: Book) -> None:
+    """Merge, drop and re-centre rules until each is worth its tokens."""
+    _merge_single(book)
+    while _drop_poor(book):
+        _merge_single(book)
+    _recentre_rings(book)
+    _recentre_groups(book)
+    book.drop_unused()
+
+
+def flatten(book: Book, rule: int, alphabet: Alphabet) -> None:
+    """Write out one rule wherever it is named."""
+    if rule in book.loops:
+        _write_out_loop(book, rule)
+    else:
+        _inline(book, rule)
+    book.drop_unused()
+    assert len(alphabet)
+
+
+def _merge_single(book: Book) -> None:
+    """A group that is named once, in another group or the axiom, becomes part of it."""
+    while True:
+        used = book.uses()
+        bodies = {part for body in book.bodies.values() for part in body.parts.tolist()}
+        single = [rule for rule in book.bodies if rule != AXIOM and used[rule] == 1]
+        single = [rule for rule in single if rule in bodies]
+        if not single:
+            return
+        for rule in single:
+            _inline(book, rule)
+
+
+def _inline(book: Book, rule: int) -> None:
+    """Replace a group by its members in all bodies; loops keep naming it."""
+    inner = book.bodies[rule]
+    for name, body in book.bodies.items():
+        if name != rule and (body.parts == rule).any():
+            _spread(book, name, lambda part: inner if part == rule else None)
+    if not any(loop.part == rule for loop in book.loops.values()):
+        del book.bodies[rule]
+
+
+def _write_out_loop(book: Book, family: int) -> None:
+    """Replace a sequence by its copies in all bodies; a loop of it becomes a loop of a group."""
+    loop = book.loops[family]
+    for outer in list(book.loops.values()):
+        if book.family.get(outer.part) == family:
+            group = outer.part
+            count = book.count.pop(group)
+            del book.family[group]
+            places = compose(loop.where, loop.pattern.places(count))
+            book.bodies[group] = Body(np.full(count, loop.part, np.int64), places)
+
+    def written(part: int) -> Body | None:
+        if book.family.get(part) != family:
+            return None
+        count = book.count[part]
+        places = compose(loop.where, loop.pattern.places(count))
+        return Body(np.full(count, loop.part, np.int64), places)
+
+    for name in list(book.bodies):
+        _spread(book, name, written)
+
+
+def _spread(book: Book, name: int, inner: Callable[[int], Body | None]) -> None:
+    """Write members in place of the parts for which `inner` gives a body."""
+    body = book.bodies[name]
+    parts: list[Integers] = []
+    places: list[Frames] = []
+    wraps: list[Integers] = []
+    for index, part in enumerate(body.parts.tolist()):
+        outer = body.places[index : index + 1]
+        group = inner(part)
+        if group is None:
+            group = Body(np.array([part], np.int64), identity(1))
+        parts.append(group.parts)
+        places.append(compose(outer, group.places))
+        if name == AXIOM:
+            wraps.append(np.repeat(book.wrap[index], len(group.parts)))
+    book.bodies[name] = Body(np.concatenate(parts), join(places))
+    if name == AXIOM:
+        book.wrap = np.concatenate(wraps)
+
+
+def _drop_poor(book: Book) -> bool:
+    """Write out the group whose rule costs most more than it saves; whether there was one."""
+    costs = {
+        rule: cost
+        for rule in book.bodies
+        if rule != AXIOM and (cost := _excess(book, rule)) is not None and cost >= 0
+    }
+    if not costs:
+        return False
+    worst = max(costs, key=lambda rule: (costs[rule], -rule))
+    _inline(book, worst)
+    book.drop_unused()
+    return True
+
+
+def _excess(book: Book, rule: int) -> int | None:
+    """Tokens that a group's rule adds (negative: saves); None where a loop needs it."""
+    if any(loop.part == rule for loop in book.loops.values()):
+        return None
+    inner = book.bodies[rule]
+    with_rule = HEAD + int(placement_tokens(inner.places, book.small).sum())
+    without = 0
+    for name, body in book.bodies.items():
+        rows = np.flatnonzero(body.parts == rule)
+        if name != rule and len(rows):
+            with_rule += int(placement_tokens(body.places[rows], book.small).sum())
+            every = compose(body.places[rows][:, None], inner.places)
+            without += int(placement_tokens(every, book.small).sum())
+    counted = sum(COUNTED for part in inner.parts.tolist() if part in book.family)
+    return with_rule - without - counted * (int(book.uses()[rule]) - 1)
+
+
+# ------------------------------------------------------------------------ frames
+
+
+def regauge(book: Book, rule: int, change: Frames) -> None:
+    """Give a symbol another frame: it is drawn the same, and every place of it takes `change`.
+
+    A loop that repeats the symbol takes the same change, so that its first copy stays at `where`.
+    """
+    back = inverse(change)
+    if rule in book.bodies:
+        body = book.bodies[rule]
+        book.bodies[rule] = Body(body.parts, compose(back, body.places))
+    elif rule in book.loops:
+        loop = book.loops[rule]
+        loop.where = compose(back, loop.where)
+    for name, body in book.bodies.items():
+        rows = [book.family.get(part, part) == rule for part in body.parts.tolist()]
+        if any(rows):
+            moved = compose(body.places, change)
+            book.bodies[name] = Body(body.parts, _either(np.array(rows), moved, body.places))
+
+
+def _either(rows: np.ndarray, left: Frames, right: Frames) -> Frames:
+    return Frames(
+        np.where(rows, left.x, right.x),
+        np.where(rows, left.y, right.y),
+        np.where(rows, left.angle, right.angle),
+        np.where(rows, left.scale, right.scale),
+        np.where(rows, left.handedness, right.handedness),
+    )
+
+
+def in_loop(book: Book, rule: int) -> bool:
+    """Whether a loop repeats the symbol, so that its frame is bound to the loop's pattern."""
+    return any(book.family.get(loop.part, loop.part) == rule for loop in book.loops.values())
+
+
+def ring_centre(pattern: Pattern) -> complex | None:
+    """The fixed point of a constant turning step in the first copy's frame, None if it has none."""
+    alpha, distance, scale, beta = pattern.base
+    turn = alpha + beta
+    if pattern.kind != "turtle" or not pattern.constant or pattern.mirrored:
+        return None
+    if abs(scale - 1) > SMALL or abs(turn) <= SMALL:
+        return None
+    step = pattern.places(2)
+    return complex(step.position[1] / (1 - step.factor[1]))
+
+
+def _recentre_rings(book: Book) -> None:
+    """A ring's frame goes to its centre, turned so that the first copy lies ahead where that makes
+    its places shorter."""
+    for family, loop in book.loops.items():
+        centre = ring_centre(loop.pattern)
+        if centre is None or in_loop(book, family):
+            continue
+        ahead = float(np.angle(-centre, deg=True)) if abs(centre) > book.small else 0.0
+        options = [frames(np.array([centre]), angle) for angle in (ahead, 0.0)]
+        best = min(options, key=lambda each: _ring_cost(book, family, each))
+        regauge(book, family, best)
+
+
+def _ring_cost(book: Book, family: int, change: Frames) -> int:
+    first = inverse(change)
+    cost = 4 * (abs(float(first.angle[0])) > SMALL) + 2 * (abs(float(first.y[0])) > book.small)
+    for body in book.bodies.values():
+        rows = [book.family.get(part, part) == family for part in body.parts.tolist()]
+        if any(rows):
+            moved = compose(body.places[np.array(rows)], change)
+            cost += int(placement_tokens(moved, book.small).sum())
+    return cost
+
+
+def _recentre_groups(book: Book) -> None:
+    """Members of one symbol that are turned about one point take that point as their origin."""
+    for rule in sorted(book.bodies):
+        body = book.bodies.get(rule)
+        if body is None or rule == AXIOM or len(body.parts) < 3:
+            continue
+        same = book.family.get(int(body.parts[0]), int(body.parts[0]))
+        if any(book.family.get(part, part) != same for part in body.parts.tolist()):
+            continue
+        if in_loop(book, same) or in_loop(book, rule):
+            continue
+        steps = compose(inverse(body.places[:1]), body.places)
+        centre = _shared_point(steps, book.small * 30)
+        if centre is not None:
+            regauge(book, same, frames(np.array([centre])))
+            regauge(book, rule, book.bodies[rule].places[:1])
+
+
+def _shared_point(steps: Frames, near: float) -> complex | None:
+    """The point that all steps keep, None if there is none."""
+    turning = (np.abs(steps.factor - 1) > 1e-6) & (steps.handedness > 0)
+    if not turning.any():
+        return None
+    which = int(np.argmax(turning))
+    centre = complex(steps.position[which] / (1 - steps.factor[which]))
+    local = centre.real * steps.handedness + 1j * centre.imag
+    moved = steps.position + steps.factor * local
+    return centre if bool(np.all(np.abs(moved - centre) <= near)) else None

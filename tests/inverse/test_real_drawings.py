@@ -1,0 +1,75 @@
+"""The main job on real input: each collected drawing becomes a grammar that gives it back.
+
+Nobody here drew them; they are read where they lie and never copied. What is compared is not what
+inference compared: the written grammar is loaded, run and saved, and the saved file is read again.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+import ipmlang
+from ipmlang.compiler.format import format_grammar
+from ipmlang.compiler.parse import parse
+from ipmlang.compiler.diagnostics import Source
+from ipmlang.formats.svg import read_svg, split_compound
+from ipmlang.inverse.compare import compare
+
+SVG = Path(__file__).resolve().parents[3] / "shared" / "data" / "svg"
+NAMES = sorted(path.stem for path in SVG.glob("*.svg")) or ["none"]
+UNSTRUCTURED = ("map_usa_counties", "vpype_7k_lines")
+
+
+def drawing(name: str) -> Path:
+    path = SVG / f"{name}.svg"
+    if not path.exists():
+        pytest.skip(f"real drawings are not here: {SVG} is absent")
+    return path
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_infer_then_run_gives_the_drawing_back(name: str, tmp_path: Path) -> None:
+    path = drawing(name)
+    found = ipmlang.infer(path)
+    found.save(tmp_path / "x.ipm")
+    text = (tmp_path / "x.ipm").read_text(encoding="utf-8")
+    grammar, diagnostics = parse(Source("x.ipm", text))
+    assert not diagnostics
+    assert format_grammar(grammar) == text
+    ipmlang.save(ipmlang.load(tmp_path / "x.ipm").run(), tmp_path / "x.svg")
+    assert sorted(os.listdir(tmp_path)) in (["x.ipm", "x.parts.svg", "x.svg"], ["x.ipm", "x.svg"])
+    given = split_compound(read_svg(path))
+    again = split_compound(read_svg(tmp_path / "x.svg"))
+    comparison = compare(given, again)
+    assert comparison.agrees(1e-6), comparison
+    assert found.report.max_error <= 1e-6
+    assert found.report.elements == len(given.elements)
+
+
+@pytest.mark.parametrize("name", UNSTRUCTURED)
+def test_nothing_is_invented(name: str) -> None:
+    path = drawing(name)
+    found, flat = ipmlang.infer(path), ipmlang.infer(path, flat=True)
+    assert found.report.rules == 0
+    assert found.report.tokens <= 1.02 * flat.report.tokens
+
+
+@pytest.mark.parametrize("name", ["mandala", "flag_eu", "flag_us", "batik_symbolViewBox"])
+def test_repetition_is_found(name: str) -> None:
+    """Drawings with given structure are told in fewer words than one placement an element."""
+    path = drawing(name)
+    found, flat = ipmlang.infer(path), ipmlang.infer(path, flat=True)
+    assert found.report.rules > 0
+    assert found.report.tokens < 0.5 * flat.report.tokens
+
+
+def test_inference_is_the_same_bytes_twice(tmp_path: Path) -> None:
+    path = drawing("flag_eu")
+    for name in ("one", "two"):
+        (tmp_path / name).mkdir()
+        ipmlang.infer(path).save(tmp_path / name / "x.ipm")
+    for file in ("x.ipm", "x.parts.svg"):
+        assert (tmp_path / "one" / file).read_bytes() == (tmp_path / "two" / file).read_bytes()
