@@ -5,10 +5,19 @@ decides whether to stop, and nothing else prints source lines.
 
 from __future__ import annotations
 
+import re
+from bisect import bisect_right
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import lru_cache
 from typing import Literal
+
+
+@lru_cache(maxsize=4)
+def _line_starts(text: str) -> tuple[int, ...]:
+    """Where each line starts; kept, so that thousands of diagnostics of one file stay quick."""
+    return (0, *(found.end() for found in re.finditer("\n", text)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +33,7 @@ class Source:
         start = self.text.rfind("\n", 0, offset) + 1
         end = self.text.find("\n", offset)
         line = self.text[start : len(self.text) if end < 0 else end]
-        return self.text.count("\n", 0, start) + 1, offset - start + 1, line.rstrip("\r")
+        return bisect_right(_line_starts(self.text), start), offset - start + 1, line.rstrip("\r")
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +48,8 @@ class Label:
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
     """One problem. start and end are absolute offsets in `source`; without a source it has no place
-    (a missing file, a limit). `trail` is a derivation path such as `Lot > Floor[3] > Tile[7]`."""
+    (a missing file, a limit). `trail` is a derivation path such as `Lot > Floor[3] > Tile[7]`.
+    """
 
     code: str
     message: str
@@ -62,8 +72,15 @@ class IpmError(Exception):
         super().__init__("\n\n".join(render(each) for each in self.diagnostics))
 
 
-def fail(code: str, message: str, *, hint: str | None = None, source: Source | None = None,
-         start: int = 0, end: int = 0) -> IpmError:
+def fail(
+    code: str,
+    message: str,
+    *,
+    hint: str | None = None,
+    source: Source | None = None,
+    start: int = 0,
+    end: int = 0,
+) -> IpmError:
     """An error of one diagnostic, ready to raise."""
     return IpmError([Diagnostic(code, message, source=source, start=start, end=end, hint=hint)])
 
@@ -74,9 +91,9 @@ def nearest(word: str, known: Iterable[str]) -> tuple[str, ...]:
 
 
 def render(diagnostic: Diagnostic) -> str:
-    """The text a person reads.
+    r"""The text a person reads.
 
-    >>> source = Source("fence.ipm", "start Fense(24)\\n")
+    >>> source = Source("fence.ipm", "start Fense(24)\n")
     >>> print(render(Diagnostic("unknown-symbol", "no rule or asset is called `Fense`",
     ...     source=source, start=6, end=11, suggestions=("Fence",))))
     error[unknown-symbol]: no rule or asset is called `Fense`
@@ -89,7 +106,7 @@ def render(diagnostic: Diagnostic) -> str:
     lines = [f"{diagnostic.severity}[{diagnostic.code}]: {diagnostic.message}"]
     gutter = ""
     if diagnostic.source is not None:
-        number, column, text = diagnostic.source.place(diagnostic.start)
+        number, column, _ = diagnostic.source.place(diagnostic.start)
         gutter = " " * (len(str(number)) + 1)
         lines += [f"  --> {diagnostic.source.path}:{number}:{column}", f"{gutter} |"]
         lines += _marked(diagnostic.source, diagnostic.start, diagnostic.end, gutter, "^", "")

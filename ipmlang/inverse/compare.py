@@ -19,6 +19,7 @@ from ipmlang.formats.drawing import Drawing, DrawnElement, Outline
 from ipmlang.inverse.appearance import same_effects, same_fragment, same_matrix, same_style
 from ipmlang.inverse.distance import bounding_boxes, pair_distances, rows_of
 from ipmlang.inverse.lsystem.curves import Booleans, Curves, Integers, diagonal_of, stack
+from ipmlang.inverse.lsystem.ellipses import find_ellipses
 from ipmlang.inverse.lsystem.frames import Floats
 
 LIMIT = 1e-6  # of the diagonal: what counts as given back
@@ -89,10 +90,11 @@ class _Sides:
         fixed = np.array([bool(self.a.elements[row].style.dashes) for row in left], np.bool_)
         curves = _taken(self.curves[0], left), _taken(self.curves[1], right)
         error = pair_distances(*curves, fixed, self.unit)
-        painted = np.zeros(len(left), np.bool_)
+        stroked = np.array([self.a.elements[row].style.stroke != "none" for row in left], np.bool_)
+        painted = ~stroked | _same_ends(*curves, self.unit)
         for index, (one, other) in enumerate(zip(left.tolist(), right.tolist(), strict=True)):
             mine, yours = self.a.elements[one], self.b.elements[other]
-            painted[index] = self.alike(mine, yours)
+            painted[index] &= self.alike(mine, yours)
             if mine.fragment is not None or yours.fragment is not None:
                 error[index] = _fragment_error(mine, yours)
         return _Pairs(left, right, error, painted)
@@ -105,7 +107,7 @@ class _Sides:
             self._alike[key] = same_style(one.style, other.style, self.unit) and same_effects(
                 self.a, self.b, *effects, self.unit
             )
-        if not self._alike[key] or not _same_ends(one, other):
+        if not self._alike[key]:
             return False
         if one.fragment is None or other.fragment is None:
             return one.fragment is other.fragment
@@ -188,11 +190,14 @@ def _fragment_error(one: DrawnElement, other: DrawnElement) -> float:
     return float(np.hypot(*np.subtract(one.fragment.matrix[4:], other.fragment.matrix[4:])))
 
 
-def _same_ends(one: DrawnElement, other: DrawnElement) -> bool:
-    """Whether stroked subpaths are closed alike, since caps are not joins."""
-    if one.outline is None or other.outline is None or one.style.stroke == "none":
-        return True
-    return bool(one.outline.closed.all() == other.outline.closed.all())
+def _same_ends(a: Curves, b: Curves, unit: float) -> Booleans:
+    """(n,) whether subpaths are closed alike, since caps are not joins; on a full ellipse neither
+    shows.
+    """
+    same = (a.closed == b.closed) | (a.counts == 0)
+    if not same.all():
+        same |= find_ellipses(a, LIMIT * unit).full & find_ellipses(b, LIMIT * unit).full
+    return np.asarray(same)
 
 
 def _matched(sides: _Sides) -> _Pairs:

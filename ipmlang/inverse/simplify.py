@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -31,8 +31,9 @@ class Body:
 
 @dataclass(slots=True, eq=False)
 class Loop:
-    """A sequence's rule: copies of `part` by a pattern; where[0] is the frame of the first copy, the
-    identity until the rule is re-centred on a ring's middle."""
+    """A sequence's rule: copies of `part` by a pattern; where[0] is the frame of the first copy,
+    the identity until the rule is re-centred on a ring's middle.
+    """
 
     part: int
     pattern: Pattern
@@ -43,7 +44,8 @@ class Loop:
 class Book:
     """All rules that are left. bodies: by group symbol, AXIOM for the axiom; loops: by family;
     family, count: of every symbol that is a sequence; wrap: effects of the axiom's rows; size: of
-    every symbol, in elements; small: units, what is printed as 0.
+    every symbol, in elements; small: units, what is printed as 0; assets: where a terminal's
+    representative lies in its asset, the identity where none is given.
     """
 
     bodies: dict[int, Body]
@@ -53,6 +55,7 @@ class Book:
     wrap: Integers
     size: Integers
     small: float
+    assets: dict[int, Frames] = field(default_factory=dict)
 
     def uses(self) -> Counter[int]:
         """How often each rule or terminal is named (sequences by family)."""
@@ -249,6 +252,8 @@ def regauge(book: Book, rule: int, change: Frames) -> None:
     elif rule in book.loops:
         loop = book.loops[rule]
         loop.where = compose(back, loop.where)
+    else:
+        book.assets[rule] = compose(back, book.assets.get(rule, identity(1)))
     for name, body in book.bodies.items():
         rows = [book.family.get(part, part) == rule for part in body.parts.tolist()]
         if any(rows):
@@ -285,7 +290,8 @@ def ring_centre(pattern: Pattern) -> complex | None:
 
 def _recentre_rings(book: Book) -> None:
     """A ring's frame goes to its centre, turned so that the first copy lies ahead where that makes
-    its places shorter."""
+    its places shorter.
+    """
     for family, loop in book.loops.items():
         centre = ring_centre(loop.pattern)
         if centre is None or in_loop(book, family):

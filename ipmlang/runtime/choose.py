@@ -125,7 +125,7 @@ class Choice:
         amount = tried.batch.column(register)
         if not (amount >= 0).all():
             raise fail(
-                f"negative-{kind}",
+                "out-of-range",
                 f"{told(tried.batch.bound.program, production)}: a {kind} is "
                 f"{amount[~(amount >= 0)][0]:g}, but must be 0 or more",
             )
@@ -157,7 +157,7 @@ class Choice:
         assert self._sum is not None
         row = int(np.argmax(self._sum))
         return fail(
-            "percent-over",
+            "over-100-percent",
             f"the percentages of {module(self._batch, self._productions[0][1].symbol, row)} add up "
             f"to {self._sum[row] * 100:g}, but must not exceed 100",
             hint="guards that exclude each other, or smaller percentages, mend this",

@@ -41,10 +41,10 @@ def drawn(program: ir.Program, stream: Stream, turtle: Turtle) -> tuple[Rows, Po
     polygons: Polygons = ()
     acts: list[_Drawn] = []
     nest = _nesting(stream)
-    for act in stream.of("segment"):
+    for act in _visible(stream, "segment"):
         free = act if nest is None else chosen(act, np.flatnonzero(nest[act.at] == 0))
         acts.append(_Drawn(free, SEGMENT, (free.args[0], 0.0, 0.0)))
-    for act in stream.of("emit"):
+    for act in _visible(stream, "emit"):
         sizes = act.args if len(act.args) == 3 else (0.0, 0.0, 0.0)
         assert isinstance(act.const, int)
         acts.append(_Drawn(act, act.const if act.const >= 0 else SCOPE, sizes))
@@ -52,6 +52,10 @@ def drawn(program: ir.Program, stream: Stream, turtle: Turtle) -> tuple[Rows, Po
         outlines, polygons = _polygons(stream, turtle, nest)
         acts += outlines
     return _rows(program, stream, turtle, [each for each in acts if len(each.act.at)]), polygons
+
+
+def _visible(stream: Stream, op: str) -> list[Act]:
+    return [act for act in stream.of(op) if not act.hidden]
 
 
 def _rows(program: ir.Program, stream: Stream, turtle: Turtle, acts: list[_Drawn]) -> Rows:
@@ -183,7 +187,7 @@ def _polygons(
     number, points = number[kept], points[kept]
     counts = np.bincount(number, minlength=len(opens))
     closing = []
-    visible = [act for act in stream.of("polygon_close") if act.const != "silent"]
+    visible = _visible(stream, "polygon_close")
     owners = [_innermost(nest, opens, act.at) for act in visible]
     shown = np.zeros(len(opens), np.bool_)
     for owner in owners:

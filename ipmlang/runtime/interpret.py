@@ -23,7 +23,7 @@ class Act:
     """One instruction of a symbol's meaning, for all its modules.
 
     `at` (n,) places in the stream, `args` a number each or one a module, `rows` the module's row in
-    `modules` where that is not the row itself.
+    `modules` where that is not the row itself. What is `hidden` only moves.
     """
 
     op: ir.Opcode
@@ -32,6 +32,7 @@ class Act:
     args: tuple[Value, ...]
     modules: Modules
     rows: Whole | None = None
+    hidden: bool = False
 
 
 @dataclass(slots=True, eq=False)
@@ -105,27 +106,13 @@ def _quiet(act: Act) -> list[Act]:
     silent = act.modules.silent
     if silent is None or act.op not in ("segment", "emit", "polygon_close"):
         return [act]
-    drawn, hidden = np.flatnonzero(~silent), np.flatnonzero(silent)
-    acts = [chosen(act, drawn)]
-    if act.op == "segment":
-        moved = chosen(act, hidden)
-        moved.op, moved.args = "move", (*moved.args, 0.0, 0.0)
-        acts.append(moved)
-    if act.op == "polygon_close":
-        ended = chosen(act, hidden)
-        ended.const = "silent"
-        acts.append(ended)
-    return acts
+    hidden = chosen(act, np.flatnonzero(silent))
+    hidden.hidden = True
+    return [chosen(act, np.flatnonzero(~silent)), hidden]
 
 
 def chosen(act: Act, rows: Whole) -> Act:
     """An act of some of its modules."""
     args = tuple(v[rows] if isinstance(v, np.ndarray) and v.ndim else v for v in act.args)
-    return Act(
-        act.op,
-        act.const,
-        act.at[rows],
-        args,
-        act.modules,
-        rows if act.rows is None else act.rows[rows],
-    )
+    own = rows if act.rows is None else act.rows[rows]
+    return replace(act, at=act.at[rows], args=args, rows=own)

@@ -33,7 +33,7 @@ def _check_factors(program: ir.Program, act: Act) -> None:
         number = int(numbers[bad[0] if act.rows is None else act.rows[bad[0]]])
         production = program.axiom if number < 0 else program.productions[number]
         raise fail(
-            "scale-not-positive",
+            "out-of-range",
             f"{told(program, production)}: `*` needs a factor above 0, and got {factors[bad[0]]:g}",
         )
 

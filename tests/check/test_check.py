@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import sys
 from pathlib import Path
 
 import pytest
@@ -229,8 +230,7 @@ def _said(diagnostics: tuple[Diagnostic, ...]) -> list[str]:
 
 
 def test_an_edit_checks_one_item_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    import ipmlang.compiler.check as module
-
+    module = sys.modules[check.__module__]
     text = "ipm 1\n" + "".join(f"Part{k}(m) --> F(m) Part{k // 2}(m)\n" for k in range(500))
     text += "start Part9(3)\n"
     cache, load_cache = Cache(), LoadCache()
@@ -245,7 +245,6 @@ def test_an_edit_checks_one_item_again(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_time_grows_linearly() -> None:
     """Calls made for a grammar four times as large stay below five times as many."""
-    import sys
 
     def calls(count: int) -> int:
         rules = "".join(f"P{k}(m) : m > 0 --> F(m) P{k // 2}(m - 1) leaf{k}\n"

@@ -4,17 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ipmlang.compiler import ir
-from ipmlang.compiler.diagnostics import IpmError, Source
-from ipmlang.compiler.lower import lower_units, unit
-from ipmlang.compiler.parse import parse
+from ipmlang.compiler import compile_file, compile_text, ir
 
 
-def compiled(grammar: str | Path) -> ir.Program:
-    """The program of a file, or of a text."""
-    text = grammar.read_text() if isinstance(grammar, Path) else grammar
-    source = Source(str(grammar) if isinstance(grammar, Path) else "<text>", text)
-    tree, diagnostics = parse(source)
-    if diagnostics:
-        raise IpmError(diagnostics)
-    return lower_units(unit(tree, source))
+def compiled(grammar: str | Path, folder: Path = Path()) -> ir.Program:
+    """The program of a file, or of a text whose assets lie in `folder`."""
+    if isinstance(grammar, Path):
+        return compile_file(grammar)[1]
+    return compile_text(grammar, folder=folder)[1]

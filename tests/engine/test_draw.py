@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -11,8 +13,16 @@ from ipmlang.runtime.strings import derive_string
 from tests.engine.grammars import compiled
 
 
-def drawn(grammar: str, seed: int = 0) -> Scene:
-    return derive_string(compiled(grammar + "\n"), (), seed, ir.Limits())
+def drawn(grammar: str, folder: Path = Path()) -> Scene:
+    return derive_string(compiled(grammar + "\n", folder), (), 0, ir.Limits())
+
+
+@pytest.fixture
+def parts(tmp_path: Path) -> Path:
+    """A folder with a parts file."""
+    text = '<svg xmlns="http://www.w3.org/2000/svg"><g id="g1"/><path id="leaf" d="M0 0h1"/></svg>'
+    (tmp_path / "x.parts.svg").write_text(text)
+    return tmp_path
 
 
 def test_pens_hold_until_their_bracket_closes() -> None:
@@ -31,11 +41,11 @@ def test_pens_hold_until_their_bracket_closes() -> None:
     assert found.layer.tolist() == [0, 0, 0, 3, 0, 0, 0]
 
 
-def test_effects_and_materials_are_references_and_names(tmp_path: object) -> None:
-    scene = drawn('start [effect("fence.parts.svg#g1") F] material("brick") F')
+def test_effects_and_materials_are_references_and_names(parts: Path) -> None:
+    scene = drawn('start [effect("x.parts.svg#g1") F] material("brick") F', parts)
     effect, material = (scene.styles[each] for each in scene.instances.style)
     assert effect.effect is not None
-    assert (effect.effect.path.name, effect.effect.node) == ("fence.parts.svg", "g1")
+    assert (effect.effect.path.name, effect.effect.node) == ("x.parts.svg", "g1")
     assert (material.effect, material.material) == (None, "brick")
 
 
@@ -71,9 +81,10 @@ def test_holes_move_but_draw_nothing() -> None:
     assert scene.instances.position[:, 0].tolist() == [0, 2, 4]
 
 
-def test_terminals_stand_where_the_turtle_is() -> None:
+def test_terminals_stand_where_the_turtle_is(parts: Path) -> None:
     scene = drawn(
-        'asset leaf = "x.svg#leaf"\nturtle angle 90\nA --> F + leaf\nstart A *(2) mirror A'
+        'asset leaf = "x.parts.svg#leaf"\nturtle angle 90\nA --> F + leaf\nstart A *(2) mirror A',
+        parts,
     )
     found = scene.instances
     assert [scene.labels[each] for each in found.label] == ["F", "leaf", "F", "leaf"]

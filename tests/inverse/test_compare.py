@@ -274,6 +274,13 @@ def test_numbers_in_texts_have_a_tolerance_and_names_have_none(
     assert same_text(one, other) == same
 
 
+def test_a_circle_has_no_ends() -> None:
+    """A stroke that comes round smoothly shows neither caps nor a join."""
+    closed = circle(5, 4)
+    opened = Outline(closed.kind, closed.coords, closed.starts, np.array([False]))
+    assert shown(opened, closed, STROKED).agrees()
+
+
 def test_another_canvas_differs() -> None:
     """Unless the first drawing had none."""
     elements = sample()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -378,4 +379,53 @@ def test_copies_of_lines_stay_together_among_similar_lengths() -> None:
     observed = observe(drawing(elements, (0, 0, 600, 800)))
     shape = observed.shape.reshape(8, 200)
     assert observed.tolerance == pytest.approx(2e-4)
+    assert (shape == shape[0]).all()
+
+
+CLASSES = {
+    # name: (most classes, elements of the largest): what a person counts in the picture.
+    "lsys_dragon": (2, 8192),
+    "lsys_plant": (2, 6048),
+    "lsys_plant_stochastic": (2, 6048),
+    "flag_eu": (2, 120),
+    "flag_uz": (6, 120),
+    "flag_ve": (5, 80),
+    "batik_cards": (6, 81),
+    "batik_symbolViewBox": (12, 180),
+    "pcb_moire": (3, 6),
+    "cad_packed_boxes": (45, 48),
+    "cad_line_types": (50, 78),
+    "vega_small_multiples": (12, 244),
+    "vpype_halftone": (8, 1180),
+}
+
+
+def real(data: Path, name: str) -> Drawing:
+    """A collected drawing in its elements."""
+    from ipmlang.formats.svg import read_svg, split_compound
+
+    return split_compound(read_svg(data / "svg" / f"{name}.svg"))
+
+
+@pytest.mark.parametrize("name", sorted(CLASSES))
+def test_classes_of_real_drawings(data: Path, name: str) -> None:
+    """Real drawings have the shapes that they show, and placing them gives the drawing back."""
+    observed = observe(real(data, name))
+    most, largest = CLASSES[name]
+    assert len(observed.classes) <= most
+    assert max(len(each.members) for each in observed.classes) >= largest
+    assert compare(observed.drawing, rebuilt(observed)).agrees(3e-7)
+
+
+@pytest.mark.parametrize("name", ["map_usa_counties", "vpype_7k_lines", "batik_mapSpain"])
+def test_unstructured_drawings_stay_so(data: Path, name: str) -> None:
+    """Where nothing repeats, next to nothing is merged."""
+    observed = observe(real(data, name))
+    assert len(observed.classes) > 0.8 * len(observed)
+    assert compare(observed.drawing, rebuilt(observed)).agrees(3e-7)
+
+
+def test_the_eight_skulls_share_their_lines(data: Path) -> None:
+    """8744 loose lines are eight copies of one drawing, four of them mirrored."""
+    shape = observe(real(data, "vpype_multi_skull")).shape.reshape(8, -1)
     assert (shape == shape[0]).all()

@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 
 import ipmlang
+from ipmlang.compiler.diagnostics import Source
 from ipmlang.compiler.format import format_grammar
 from ipmlang.compiler.parse import parse
-from ipmlang.compiler.diagnostics import Source
 from ipmlang.formats.svg import read_svg, split_compound
 from ipmlang.inverse.compare import compare
 

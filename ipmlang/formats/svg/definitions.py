@@ -12,10 +12,8 @@ from html import escape
 from ipmlang.formats import FormatError
 from ipmlang.formats.drawing import Effect, Fragment, PaintServer
 from ipmlang.formats.numbers import joined
+from ipmlang.formats.svg.transforms import IDENTITY, Matrix
 
-Matrix = tuple[float, float, float, float, float, float]
-
-IDENTITY: Matrix = (1.0, 0.0, 0.0, 1.0, 0.0, 0.0)
 _SVG = "http://www.w3.org/2000/svg"
 _XLINK = "http://www.w3.org/1999/xlink"
 _TAG = re.compile(r"<([A-Za-z][\w.:-]*)")
@@ -102,30 +100,6 @@ class Definitions:
 def matrix_text(matrix: Matrix) -> str:
     """`matrix(a b c d e f)` with 15 significant digits."""
     return f"matrix({joined(matrix)})"
-
-
-def product(first: Matrix, second: Matrix) -> Matrix:
-    """The matrix that applies `second`, then `first`."""
-    a, b, c, d, e, f = first
-    g, h, i, j, k, m = second
-    return (
-        a * g + c * h,
-        b * g + d * h,
-        a * i + c * j,
-        b * i + d * j,
-        a * k + c * m + e,
-        b * k + d * m + f,
-    )
-
-
-def inverse(matrix: Matrix) -> Matrix | None:
-    """The inverse, or None of a matrix that flattens the plane."""
-    a, b, c, d, e, f = matrix
-    determinant = a * d - b * c
-    if abs(determinant) <= 1e-300:
-        return None
-    a, b, c, d = d / determinant, -b / determinant, -c / determinant, a / determinant
-    return (a, b, c, d, -(a * e + c * f), -(b * e + d * f))
 
 
 def _renamed(value: str, names: dict[str, str]) -> str:

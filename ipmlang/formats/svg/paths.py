@@ -113,7 +113,7 @@ class Pen:
         return Outline(
             np.frombuffer(bytes(self.kinds), dtype=np.uint8),
             np.frombuffer(self.numbers.tobytes(), dtype=np.float64).reshape(-1, 4, 2),
-            np.array(self.starts, dtype=np.int32),
+            np.array([*self.starts, len(self.kinds)], dtype=np.int32),
             np.array(self.closed, dtype=np.bool_),
         )
 

@@ -17,15 +17,9 @@ from numpy.typing import NDArray
 from ipmlang.formats import FormatError
 from ipmlang.formats.drawing import ARC, Drawing, DrawnElement, Outline, Paint, Style
 from ipmlang.formats.numbers import decimal_text, decimals_for, joined
-from ipmlang.formats.svg.definitions import (
-    IDENTITY,
-    Definitions,
-    Matrix,
-    inverse,
-    matrix_text,
-    product,
-)
+from ipmlang.formats.svg.definitions import Definitions, matrix_text
 from ipmlang.formats.svg.path_data import path_texts
+from ipmlang.formats.svg.transforms import IDENTITY, Matrix, inverse, is_usable, multiply
 
 Box = tuple[float, float, float, float]
 
@@ -113,7 +107,7 @@ def _tags(elements: Sequence[DrawnElement], decimals: int, definitions: Definiti
 
 
 def _path_list(elements: Sequence[DrawnElement], decimals: int) -> list[str]:
-    """The opening of each element's tag: `<path d="…"`, or `<ellipse …` for a whole one."""
+    """The opening of each element's tag, `<path d="…"`, empty where there is no outline."""
     heads = [""] * len(elements)
     plain: list[int] = []
     slanted: list[int] = []
@@ -127,11 +121,8 @@ def _path_list(elements: Sequence[DrawnElement], decimals: int) -> list[str]:
             slanted.append(index)
             inner.append(_unslanted(outline, pen))
             continue
-        if len(outline.kind) == 1 and outline.closed[0]:
-            heads[index] = _ellipse_text(outline, decimals)
-        if not heads[index]:
-            plain.append(index)
-            outlines.append(outline)
+        plain.append(index)
+        outlines.append(outline)
     _place(heads, plain, path_texts(outlines, decimals))
     _place(heads, slanted, path_texts(inner, decimals + 1))
     return heads
@@ -144,9 +135,10 @@ def _place(heads: list[str], indices: list[int], texts: Iterable[str]) -> None:
 
 def _unslanted(outline: Outline, pen: tuple[float, float, float, float]) -> Outline:
     """The outline in the space where the pen is round; the tag's transform leads back."""
-    back = inverse((*pen, 0.0, 0.0))
-    if back is None:
+    space = (*pen, 0.0, 0.0)
+    if not is_usable(space):
         return outline
+    back = inverse(space)
     coords = outline.coords.copy()
     linear = np.array([[back[0], back[1]], [back[2], back[3]]])
     coords[:, :3] = coords[:, :3] @ linear
@@ -155,38 +147,14 @@ def _unslanted(outline: Outline, pen: tuple[float, float, float, float]) -> Outl
     return Outline(outline.kind, coords, outline.starts, outline.closed)
 
 
-def _ellipse_text(outline: Outline, decimals: int) -> str:
-    """A whole ellipse that starts on an axis as a tag of its own; empty for all other outlines."""
-    start, sweep = outline.coords[0, 3].tolist()
-    if outline.kind[0] != ARC or start != 0 or abs(abs(sweep) - 2 * math.pi) > 1e-12:
-        return ""
-    centre, u, v = outline.coords[0, :3]
-    long, short = math.hypot(*u.tolist()), math.hypot(*v.tolist())
-    if abs(float(u @ v)) > 1e-12 * long * short or min(long, short) == 0:
-        return ""
-    x, y, first, second = (
-        decimal_text(round(value, decimals + 2), 17) for value in (*centre.tolist(), long, short)
-    )
-    radii = f'r="{first}"' if first == second else f'rx="{first}" ry="{second}"'
-    name = "circle" if first == second else "ellipse"
-    forward = float(u[0] * v[1] - u[1] * v[0]) * sweep > 0
-    cosine, sine = float(u[0]) / long, float(u[1]) / long
-    if forward and abs(sine) < 1e-15 and cosine > 0:
-        return f'<{name} cx="{x}" cy="{y}" {radii}'
-    side = 1.0 if forward else -1.0
-    turn = (cosine, sine, -side * sine, side * cosine, float(centre[0]), float(centre[1]))
-    return f'<{name} transform="{matrix_text(turn)}" {radii}'
-
-
 def _style_text(style: Style, definitions: Definitions) -> str:
     """The attributes that say what differs from SVG's initial values."""
     back: Matrix = IDENTITY
     parts: list[str] = []
     if style.stroke_matrix is not None:
         space: Matrix = (*style.stroke_matrix, 0.0, 0.0)
-        undone = inverse(space)
-        if undone is not None:
-            back = undone
+        if is_usable(space):
+            back = inverse(space)
             parts.append(f'transform="{matrix_text(space)}"')
     if style.fill != "#000000":
         parts.append(f'fill="{_paint_text(style.fill, back, definitions)}"')
@@ -213,7 +181,7 @@ def _style_text(style: Style, definitions: Definitions) -> str:
 def _paint_text(paint: Paint, back: Matrix, definitions: Definitions) -> str:
     if isinstance(paint, str):
         return escape(paint)
-    matrix = paint.matrix if back == IDENTITY else product(back, paint.matrix)
+    matrix = paint.matrix if back == IDENTITY else multiply(back, paint.matrix)
     return definitions.paint(paint, matrix)
 
 
@@ -257,9 +225,9 @@ def _group_tags(drawing: Drawing, name: str, definitions: Definitions) -> tuple[
     if effect is None:
         raise FormatError(f"the drawing has no effect called `{name}`")
     attributes = definitions.group(effect)
-    back = inverse(effect.matrix)
     spaceless = all(attribute in _SPACELESS for attribute, _ in effect.attributes)
-    if spaceless or effect.matrix == IDENTITY or back is None:
+    if spaceless or effect.matrix == IDENTITY or not is_usable(effect.matrix):
         return f"<g{attributes}>", "</g>"
+    back = inverse(effect.matrix)
     own = f'<g transform="{matrix_text(effect.matrix)}"{attributes}>'
     return f'{own}<g transform="{matrix_text(back)}">', "</g></g>"

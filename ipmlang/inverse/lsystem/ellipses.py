@@ -49,7 +49,7 @@ def find_ellipses(curves: Curves, tolerance: float) -> Ellipses:
     # A closed curve is off by the sagitta of its closing chord, an open one by what is not drawn.
     sagitta = open_end**2 / (8 * np.maximum(major[first], 1e-300))
     gap = off[rows] + np.where(curves.closed[rows], sagitta, open_end)
-    good = gap <= tolerance
+    good = (gap <= tolerance) & (major[first] > tolerance)
     rows, first = rows[good], first[good]
     result.full[rows] = True
     result.centre[rows] = curves.points[first, 0]

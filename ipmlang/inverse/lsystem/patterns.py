@@ -1,4 +1,5 @@
-"""How the members of a sequence follow from their index: the right-hand side of the paper's rule r1.
+"""How the members of a sequence follow from their index: the right-hand side of the paper's rule
+r1.
 
 A pattern gives the frames of the first n members relative to the first one. `even` is linear in the
 frame of the first member, `turtle` carries on from member to member with t(m) = t0 + tΔ·m
@@ -56,9 +57,7 @@ class Pattern:
     def _alternating(self, count: int) -> Frames:
         """A mirrored step, twice, is a plain one: places by pairs."""
         alpha, distance, scale, beta = self.base
-        step = frames(
-            np.array([distance * unit(np.array(alpha))]), alpha + beta, scale, -1
-        )
+        step = frames(np.array([distance * unit(np.array(alpha))]), alpha + beta, scale, -1)
         placed = [identity(1)]
         for _ in range(count - 1):
             placed.append(compose(placed[-1], step))

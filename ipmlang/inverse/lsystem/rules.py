@@ -2,8 +2,8 @@
 
 Takes the string of all elements; finds the sequence or the pair of symbols whose rule saves most
 tokens, puts a new symbol in place of every occurrence, and goes on until no rule pays. So groups of
-groups are found. Every occurrence is compared with the elements it stands for before it is replaced.
-Simplifying and printing come later.
+groups are found. Every occurrence is compared with the elements it stands for before it is
+replaced. Simplifying and printing come later.
 """
 
 from __future__ import annotations

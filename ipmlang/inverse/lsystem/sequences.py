@@ -23,7 +23,8 @@ Booleans = NDArray[np.bool_]
 @dataclass(frozen=True, slots=True, eq=False)
 class Run:
     """`count` neighbours from row `first` on, a pattern fitted to them, and the world frame of the
-    first member under that pattern."""
+    first member under that pattern.
+    """
 
     first: int
     count: int
@@ -197,7 +198,9 @@ def _turtle_runs(regular: Frames, stretch: Integers, reach: Floats, slack: float
 
 def _mean(values: list[Floats]) -> tuple[float, float, float, float]:
     alpha, distance, scale, beta = (
-        float(np.mean(value[0] + wrap(value - value[0]))) if index in (0, 3) else float(value.mean())
+        float(np.mean(value[0] + wrap(value - value[0])))
+        if index in (0, 3)
+        else float(value.mean())
         for index, value in enumerate(values)
     )
     return alpha, distance, scale, beta
@@ -241,5 +244,3 @@ def _ring_runs(regular: Frames, stretch: Integers, slack: float) -> Iterator[Run
             regular.position[start : start + 1], heading[start : start + 1], regular.scale[start]
         )
         yield Run(start, end - start + 3, Pattern("turtle", base), lead)
-
-

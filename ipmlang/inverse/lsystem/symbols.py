@@ -67,7 +67,8 @@ class Definition:
 @dataclass(slots=True, eq=False)
 class Alphabet:
     """All definitions, by symbol number; terminals come first. tolerance: how far, in units, an
-    expansion may be from what was observed."""
+    expansion may be from what was observed.
+    """
 
     tolerance: float
     definitions: list[Definition] = field(default_factory=list)
@@ -145,7 +146,8 @@ class Alphabet:
 
     def _of_free(self, parts: Integers, places: Frames) -> Frames:
         """Candidates for a group that begins with a circle: mirrors in the line to the first member
-        off its centre, or what the first member keeps that is no circle."""
+        off its centre, or what the first member keeps that is no circle.
+        """
         away = np.abs(places.position - places.position[0]) > self.tolerance
         bound = np.array([not self[int(part)].free for part in parts])
         which = int(np.argmax(away | bound)) if (away | bound).any() else 0

@@ -1,0 +1,488 @@
+"""From simplified rules to a syntax tree: the grammar that a person would have written.
+
+Takes a book of rules with the observation behind it; gives the tree and what the parts file has to
+hold. Numbers get as many digits as they need and no more. Nothing here decides which rules exist.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipmlang.compiler import ast
+from ipmlang.inverse.lsystem.frames import Frames, compose
+from ipmlang.inverse.lsystem.patterns import Pattern
+from ipmlang.inverse.naming import Names
+from ipmlang.inverse.numbers import linear, number, shortest
+from ipmlang.inverse.score import SMALL
+from ipmlang.inverse.simplify import AXIOM, Book, Loop, ring_centre
+
+TABLE_ROWS = 6  # fewer placements of one symbol are written out
+LIFTED = 4  # how many counts, and how many steps, become attributes
+NONE = ast.NOWHERE
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Reach:
+    """How far numbers carry. error: units, what one rounding may move a point by; gain: the largest
+    scale under which each rule is drawn; radius: the extent of each symbol in its own units.
+    """
+
+    error: float
+    gain: dict[int, float]
+    radius: dict[int, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Wrap:
+    """The reference of each effect that wraps a run, outermost first."""
+
+    references: tuple[str, ...]
+
+
+@dataclass(slots=True, eq=False)
+class Builder:
+    """Prints one book. names: of every terminal, group and family; wraps: by effects number; axiom:
+    the name of the start rule.
+    """
+
+    book: Book
+    reach: Reach
+    names: dict[int, str]
+    wraps: Sequence[Wrap]
+    given: Names
+    axiom: str
+    use_tables: bool = True
+
+    def __post_init__(self) -> None:
+        self.attributes: list[ast.Attr] = []
+        self.tables: list[ast.Table] = []
+        self._counts: dict[int, str] = {}
+        self._steps: dict[int, str] = {}
+
+    def rules(self) -> list[ast.Rule]:
+        """All rules, from the axiom downwards."""
+        self._lift()
+        made = [ast.Rule(ast.Head(self.axiom), self._axiom_body())]
+        for rule in self._order()[1:]:
+            if rule in self.book.loops:
+                made.append(self._loop_rule(rule))
+            else:
+                body = self.book.bodies[rule]
+                elements = list(self._members(rule, body.parts.tolist(), body.places))
+                made.append(ast.Rule(ast.Head(self.names[rule]), tuple(elements)))
+        return made
+
+    def _order(self) -> list[int]:
+        """Rules by their distance from the axiom, in the order of their first use."""
+        order, known = [AXIOM], {AXIOM}
+        for rule in order:
+            for part in self._named_in(rule):
+                if part not in known and (part in self.book.bodies or part in self.book.loops):
+                    known.add(part)
+                    order.append(part)
+        return order
+
+    def _named_in(self, rule: int) -> list[int]:
+        family = self.book.family
+        if rule in self.book.loops:
+            part = self.book.loops[rule].part
+            return [family.get(part, part)]
+        parts = self.book.bodies[rule].parts.tolist()
+        return list(dict.fromkeys(family.get(part, part) for part in parts))
+
+    # ---------------------------------------------------------------- placements
+
+    def _members(self, rule: int, parts: Sequence[int], places: Frames) -> Iterator[ast.Element]:
+        alone = len(parts) == 1
+        for index, part in enumerate(parts):
+            yield from self._placed(rule, part, places[index : index + 1], alone)
+
+    def _placed(self, rule: int, part: int, place: Frames, alone: bool) -> Iterator[ast.Element]:
+        """`[at(x, y, angle, scale) mirror A]`, without what is not needed."""
+        moves = self._moves(rule, part, place)
+        if moves or not (alone or self._stays(part)):
+            yield ast.Bracket((*moves, self._module(part)))
+        else:
+            yield self._module(part)
+
+    def _stays(self, part: int) -> bool:
+        """Whether a symbol leaves the turtle where it was: assets and groups do, loops may not."""
+        return part not in self.book.family
+
+    def _module(self, part: int) -> ast.Module:
+        family = self.book.family.get(part, part)
+        if part in self.book.family and self._parametric(family):
+            count = ast.Argument(ast.Number(float(self.book.count[part])))
+            return ast.Module(self.names[family], (count,))
+        return ast.Module(self.names[family])
+
+    def _moves(self, rule: int, part: int, place: Frames) -> tuple[ast.Element, ...]:
+        errors = self._errors(rule, part, float(place.scale[0]))
+        x, y = (shortest(float(each[0]), errors[0]) for each in (place.x, place.y))
+        angle = shortest(float(place.angle[0]), errors[1])
+        scale = shortest(float(place.scale[0]), errors[2])
+        made: list[ast.Element] = []
+        if x or y:
+            numbers = [x, y] + ([angle] if angle or scale != 1 else [])
+            numbers += [scale] if scale != 1 else []
+            made.append(_call("at", *(number(each) for each in numbers)))
+        else:
+            made += _turns(angle, scale)
+        if place.handedness[0] < 0:
+            made.append(ast.Module("mirror"))
+        return tuple(made)
+
+    def _errors(self, rule: int, part: int, scale: float) -> tuple[float, float, float]:
+        """What positions, angles and factors of a place may be off."""
+        size = self.reach.error / max(self.reach.gain.get(rule, 1.0), 1e-12)
+        arm = max(self.reach.radius[part], size)
+        return size, min(1e-4, float(np.rad2deg(size / (scale * arm)))), min(1e-6, size / arm)
+
+    # --------------------------------------------------------------------- axiom
+
+    def _axiom_body(self) -> tuple[ast.Element, ...]:
+        body, wrap = self.book.bodies[AXIOM], self.book.wrap
+        made: list[ast.Element] = []
+        edges = np.flatnonzero(np.diff(wrap)) + 1
+        bounds = [0, *edges.tolist(), len(wrap)] if len(wrap) else [0]
+        for start, end in zip(bounds, bounds[1:], strict=False):
+            inner = list(self._run(body.parts[start:end].tolist(), body.places[start:end]))
+            references = self.wraps[int(wrap[start])].references
+            if references:
+                pens = [_call("effect", ast.Text(each)) for each in references]
+                made.append(ast.Bracket((*pens, *inner)))
+            else:
+                made += inner
+        return tuple(made) or (ast.Module("nil"),)
+
+    def _run(self, parts: list[int], places: Frames) -> Iterator[ast.Element]:
+        """Placements in paint order, long runs of one symbol as tables."""
+        start = 0
+        while start < len(parts):
+            end = start + 1
+            hand = places.handedness[start]
+            while (
+                end < len(parts) and parts[end] == parts[start] and places.handedness[end] == hand
+            ):
+                end += 1
+            if self.use_tables and end - start >= TABLE_ROWS:
+                yield self._table(parts[start], places[start:end])
+            else:
+                yield from self._members(AXIOM, parts[start:end], places[start:end])
+            start = end
+
+    def _table(self, part: int, places: Frames) -> ast.Element:
+        """`repeat(r in T) { [at(r.x, r.y) A] }`, or uneven steps along a line."""
+        uneven = self._uneven(part, places)
+        if uneven is not None:
+            return uneven
+        errors = [self._errors(AXIOM, part, float(places.scale.max()))] * 4
+        rounded = [
+            [shortest(float(value), error) for value in column]
+            for column, error in zip(
+                (places.x, places.y, places.angle, places.scale),
+                (errors[0][0], errors[0][0], errors[0][1], errors[0][2]),
+                strict=True,
+            )
+        ]
+        name = self.given.give("Places")
+        varying = [len(set(column)) > 1 for column in rounded]
+        neutral = [False, False, not any(rounded[2]), all(each == 1 for each in rounded[3])]
+        last = max(k for k in range(4) if not neutral[k])
+        columns = [k for k in range(4) if varying[k]]
+        labels = ("x", "y", "angle", "scale")
+        arguments = [
+            ast.Name(f"r.{labels[k]}") if varying[k] else number(rounded[k][0])
+            for k in range(max(last, 1) + 1)
+        ]
+        rows = tuple(tuple(number(rounded[k][row]) for k in columns) for row in range(len(places)))
+        self.tables.append(ast.Table(name, None, tuple(labels[k] for k in columns), rows))
+        place: list[ast.Element] = [_call("at", *arguments)]
+        if places.handedness[0] < 0:
+            place.append(ast.Module("mirror"))
+        body = (ast.Bracket((*place, self._module(part))),)
+        return ast.Repeat(ast.Rows("r", name), body)
+
+    def _uneven(self, part: int, places: Frames) -> ast.Element | None:
+        """`repeat(i < n) steps (61, 61, 60) { A }` where copies stand upright on one line."""
+        steps = np.diff(places.position)
+        size = self.reach.error
+        still = np.ptp(places.angle) <= SMALL and np.ptp(places.scale) <= SMALL
+        if not still or (np.abs(steps) <= size).any():
+            return None
+        heading = float(np.angle(steps[0], deg=True))
+        along = steps * np.exp(-1j * np.deg2rad(heading))
+        off = np.abs(np.cumsum(along.imag))
+        if off.max() > size or (along.real <= 0).any():
+            return None
+        lengths = [shortest(float(each), size / len(steps)) for each in along.real]
+        line = Frames(places.x[:1], places.y[:1], np.array([heading]), np.ones(1),
+                      np.ones(1, np.int8))  # fmt: skip
+        upright = Frames(np.zeros(1), np.zeros(1), places.angle[:1] - heading, places.scale[:1],
+                         places.handedness[:1])  # fmt: skip
+        inner = ast.Bracket((*self._moves(AXIOM, part, upright), self._module(part)))
+        count = ast.Count("i", ast.Number(float(len(places))))
+        loop = ast.Repeat(count, (inner,), steps=tuple(number(each) for each in lengths))
+        return ast.Bracket((*self._moves(AXIOM, part, line), loop))
+
+    # --------------------------------------------------------------------- loops
+
+    def _parametric(self, family: int) -> bool:
+        return len(self._sizes(family)) > 1
+
+    def _sizes(self, family: int) -> list[int]:
+        """The counts with which a sequence is used."""
+        parts = {part for body in self.book.bodies.values() for part in body.parts.tolist()}
+        parts |= {loop.part for loop in self.book.loops.values()}
+        own = {self.book.count[part] for part in parts if self.book.family.get(part) == family}
+        return sorted(own)
+
+    def _loop_rule(self, family: int) -> ast.Rule:
+        loop = self.book.loops[family]
+        sizes = self._sizes(family)
+        limit: ast.Expr
+        parameters: tuple[ast.Parameter, ...] = ()
+        if self._parametric(family):
+            limit, parameters = ast.Name("n"), (ast.Parameter("n"),)
+        elif family in self._counts:
+            limit = ast.Name(self._counts[family])
+        else:
+            limit = ast.Number(float(sizes[-1]))
+        body = self._loop_body(family, loop, sizes, limit)
+        head = ast.Head(self.names[family], parameters)
+        return ast.Rule(head, (ast.Repeat(ast.Count("i", limit), body),))
+
+    def _loop_body(
+        self, family: int, loop: Loop, sizes: Sequence[int], limit: ast.Expr
+    ) -> tuple[ast.Element, ...]:
+        pattern = loop.pattern
+        if ring_centre(pattern) is not None and not _is_identity(loop.where):
+            return (self._ring_copy(family, loop, sizes, limit),)
+        if pattern.kind == "even":
+            return self._even_copy(family, loop, sizes[-1])
+        return (ast.Bracket((self._module(loop.part),)), *self._step(family, loop, sizes[-1]))
+
+    def _ring_copy(
+        self, family: int, loop: Loop, sizes: Sequence[int], limit: ast.Expr
+    ) -> ast.Element:
+        """`[+(360 / n * i) f(r) A]`."""
+        count = sizes[-1]
+        turn = loop.pattern.base[0] + loop.pattern.base[3]
+        size, error, _ = self._errors(family, loop.part, 1.0)
+        arm = abs(complex(loop.where.position[0])) + self.reach.radius[loop.part]
+        error = min(1e-4, float(np.rad2deg(size / max(arm, size)))) / count
+        closed = len(sizes) == 1 and abs(abs(turn) * count - 360) <= error * count
+        angle: ast.Expr = number(turn, error)
+        if closed:
+            angle = ast.Binary("/", number(360.0 if turn > 0 else -360.0), limit)
+        elif isinstance(limit, ast.Name) and not isinstance(angle, ast.Number | ast.Unary):
+            angle = number(turn)
+        around = _call("+", ast.Binary("*", angle, ast.Name("i")))
+        return ast.Bracket((around, *self._radial(family, loop), self._module(loop.part)))
+
+    def _radial(self, family: int, loop: Loop) -> tuple[ast.Element, ...]:
+        place = loop.where
+        size, angle_error, scale_error = self._errors(family, loop.part, float(place.scale[0]))
+        ahead = abs(float(place.y[0])) <= size and float(place.x[0]) > size
+        if not ahead:
+            return self._moves(family, loop.part, place)
+        turns = _turns(
+            shortest(float(place.angle[0]), angle_error),
+            shortest(float(place.scale[0]), scale_error),
+        )
+        hand = (ast.Module("mirror"),) if place.handedness[0] < 0 else ()
+        return (_call("f", number(float(place.x[0]), size)), *turns, *hand)
+
+    def _even_copy(self, family: int, loop: Loop, count: int) -> tuple[ast.Element, ...]:
+        x, y, angle, growth = loop.pattern.base
+        size, turn, factor = self._errors(family, loop.part, 1.0)
+        copy = self._module(loop.part)
+        straight = abs(angle) <= turn / count and abs(growth) <= factor / count
+        if straight:
+            if abs(x) <= size / count and abs(y) <= size / count:
+                return (ast.Bracket((copy,)),)
+            return (ast.Bracket((copy,)), self._straight(family, x, y, size / count))
+        errors = (0.0, turn / count), (0.0, factor / count)
+        turned = linear(0.0, angle, "i", errors[0])
+        scaled = linear(1.0, growth, "i", errors[1])
+        moves: list[ast.Element] = []
+        if abs(x) > size / count or abs(y) > size / count:
+            across = (linear(0.0, each, "i", (0.0, size / count)) for each in (x, y))
+            arguments = [*across, turned]
+            if abs(growth) > factor / count:
+                arguments.append(scaled)
+            moves.append(_call("at", *arguments))
+        else:
+            if abs(angle) > turn / count:
+                moves.append(_call("+", turned))
+            if abs(growth) > factor / count:
+                moves.append(_call("*", scaled))
+        return (ast.Bracket((*moves, copy)),)
+
+    def _straight(self, family: int, x: float, y: float, error: float) -> ast.Element:
+        """The step of a row: ahead where it can be."""
+        if abs(y) <= error:
+            if family in self._steps:
+                return _call("f", ast.Name(self._steps[family]))
+            return _call("f", number(x, error))
+        if abs(x) <= error and family in self._steps:
+            step: ast.Expr = ast.Name(self._steps[family])
+            return _call("at", ast.Number(0.0), step)
+        return _call("at", number(x, error), number(y, error))
+
+    def _step(self, family: int, loop: Loop, count: int) -> tuple[ast.Element, ...]:
+        """`+(α) f(d) *(s) +(β)` with t(m) = t0 + tΔ·m (section 5.1 of the paper)."""
+        pattern = loop.pattern
+        size, _, _ = self._errors(family, loop.part, 1.0)
+        reach = abs(pattern.base[1]) + abs(pattern.delta[1]) * count + self.reach.radius[loop.part]
+        share = size / max(1.0, float(count) ** 2)
+        turn = float(np.rad2deg(share / max(reach * count, share)))
+        alpha, move, scale, beta = (
+            linear(first, slope, "i", (error, error / count))
+            for first, slope, error in zip(
+                pattern.base,
+                pattern.delta,
+                (turn, share, share / max(reach * count, share), turn),
+                strict=True,
+            )
+        )
+        made = [
+            _call(name, value)
+            for name, value, nothing in (
+                ("+", alpha, 0.0),
+                ("f", move, 0.0),
+                ("*", scale, 1.0),
+                ("+", beta, 0.0),
+            )
+            if not (isinstance(value, ast.Number) and value.value == nothing)
+        ]
+        return (*made, ast.Module("mirror")) if pattern.mirrored else tuple(made)
+
+    # ---------------------------------------------------------------- attributes
+
+    def _lift(self) -> None:
+        """Counts and steps of the sequences that draw most become attributes."""
+        used = self.book.uses()
+        sizes = {family: self._sizes(family) for family in self.book.loops}
+        plain = [f for f, counts in sizes.items() if len(counts) == 1 and counts[0] >= 4]
+        weight = {family: int(self._drawn(family)) * used[family] for family in plain}
+        for family in sorted(plain, key=lambda f: (-weight[f], f))[:LIFTED]:
+            loop, count = self.book.loops[family], sizes[family][0]
+            part = self.names[self.book.family.get(loop.part, loop.part)]
+            stem = _lowered(self.names[family])
+            self._counts[family] = self.given.give(f"{stem}_count")
+            doc = f"copies of {part} in {self.names[family]}"
+            self.attributes.append(
+                ast.Attr(
+                    self._counts[family],
+                    "int",
+                    ast.Number(float(count)),
+                    ast.Range(ast.Number(1.0), None),
+                    doc,
+                )  # fmt: skip
+            )
+            self._lift_step(family, loop, count, f"{stem}_step", part)
+
+    def _lift_step(self, family: int, loop: Loop, count: int, wish: str, part: str) -> None:
+        x, y, angle, growth = loop.pattern.base
+        if loop.pattern.kind != "even" or abs(angle) > SMALL or abs(growth) > SMALL:
+            return
+        size = self._errors(family, loop.part, 1.0)[0] / count
+        step = x if abs(y) <= size else y if abs(x) <= size else 0.0
+        if abs(step) <= size:
+            return
+        self._steps[family] = self.given.give(wish)
+        doc = f"from one {part} to the next"
+        self.attributes.append(
+            ast.Attr(self._steps[family], "float", number(step, size), None, doc)
+        )
+
+    def _drawn(self, family: int) -> int:
+        return sum(
+            int(self.book.size[part]) for part, own in self.book.family.items() if own == family
+        )
+
+
+def _call(name: str, *args: ast.Expr) -> ast.Module:
+    return ast.Module(name, tuple(ast.Argument(each) for each in args))
+
+
+def _turns(angle: float, scale: float) -> tuple[ast.Element, ...]:
+    made: list[ast.Element] = []
+    if angle:
+        made.append(_call("+" if angle > 0 else "-", ast.Number(abs(angle))))
+    if scale != 1:
+        made.append(_call("*", ast.Number(scale)))
+    return tuple(made)
+
+
+def _is_identity(place: Frames) -> bool:
+    return bool(
+        abs(place.x[0]) == 0
+        and abs(place.y[0]) == 0
+        and place.angle[0] == 0
+        and place.scale[0] == 1
+        and place.handedness[0] > 0
+    )
+
+
+def _lowered(name: str) -> str:
+    """`LeafRow` as `leaf_row`."""
+    return "".join(f"_{c.lower()}" if c.isupper() else c for c in name).strip("_")
+
+
+def measure(book: Book, radius: dict[int, float], error: float) -> Reach:
+    """How far each rule's numbers carry, from the axiom down and from the terminals up."""
+    extent: dict[int, float] = {}
+
+    def reach_of(symbol: int) -> float:
+        if symbol in extent:
+            return extent[symbol]
+        if symbol in book.family:
+            loop = book.loops[book.family[symbol]]
+            places = compose(loop.where, _pattern_places(loop.pattern, book.count[symbol]))
+            inner = reach_of(loop.part)
+            value = float(np.max(np.abs(places.position) + places.scale * inner))
+        elif symbol in book.bodies:
+            body = book.bodies[symbol]
+            inner_radius = np.array([reach_of(part) for part in body.parts.tolist()])
+            value = float(np.max(np.abs(body.places.position) + body.places.scale * inner_radius))
+        else:
+            moved = book.assets.get(symbol)
+            value = radius[symbol] + (abs(complex(moved.position[0])) if moved is not None else 0.0)
+        extent[symbol] = value
+        return value
+
+    gain = {AXIOM: 1.0}
+    waiting = [AXIOM]
+    while waiting:
+        rule = waiting.pop(0)
+        for part, scale in _inside(book, rule):
+            reach_of(part)
+            key = book.family.get(part, part)
+            if scale * gain[rule] > gain.get(key, 0.0) * (1 + 1e-9):
+                gain[key] = scale * gain[rule]
+                if key in book.bodies or key in book.loops:
+                    waiting.append(key)
+    return Reach(error, gain, extent)
+
+
+def _pattern_places(pattern: Pattern, count: int) -> Frames:
+    return pattern.places(count)
+
+
+def _inside(book: Book, rule: int) -> list[tuple[int, float]]:
+    """Symbols named by a rule, with the largest scale each stands under."""
+    if rule in book.loops:
+        loop = book.loops[rule]
+        counts = [book.count[part] for part, own in book.family.items() if own == rule]
+        places = _pattern_places(loop.pattern, max(counts))
+        return [(loop.part, float(places.scale.max() * loop.where.scale[0]))]
+    body = book.bodies[rule]
+    largest: dict[int, float] = {}
+    for part, scale in zip(body.parts.tolist(), body.places.scale.tolist(), strict=True):
+        largest[part] = max(scale, largest.get(part, 0.0))
+    return list(largest.items())

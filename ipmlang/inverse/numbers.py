@@ -1,0 +1,45 @@
+"""Numbers as a person would write them: the shortest decimal that is close enough.
+
+Takes values with the error that each may have; gives literals of the syntax tree. The bound on the
+error is the caller's; nothing here knows what the numbers mean.
+"""
+
+from __future__ import annotations
+
+from ipmlang.compiler import ast
+
+
+def shortest(value: float, error: float) -> float:
+    """The decimal with fewest places that is within `error` of the value, else the value itself.
+
+    >>> shortest(12.999999999, 1e-6), shortest(0.3333333, 1e-4), shortest(-0.0, 0.1)
+    (13.0, 0.3333, 0.0)
+    """
+    for places in range(16):
+        rounded = round(value, places)
+        if abs(rounded - value) <= error:
+            return rounded + 0.0
+    return value
+
+
+def number(value: float, error: float = 0.0) -> ast.Expr:
+    """A literal, with its sign in front where it is negative."""
+    rounded = shortest(value, error)
+    literal = ast.Number(abs(rounded))
+    return ast.Unary("-", literal) if rounded < 0 else literal
+
+
+def linear(first: float, slope: float, variable: str, errors: tuple[float, float]) -> ast.Expr:
+    """`first + slope * variable`, parts that are nothing left out."""
+    start, step = shortest(first, errors[0]), shortest(slope, errors[1])
+    name = ast.Name(variable)
+    if step == 0:
+        return number(start)
+    term: ast.Expr = name if abs(step) == 1 else ast.Binary("*", ast.Number(abs(step)), name)
+    if start == 0:
+        if step > 0:
+            return term
+        if isinstance(term, ast.Binary):
+            return ast.Binary("*", number(step), name)
+        return ast.Unary("-", name)
+    return ast.Binary("+" if step > 0 else "-", number(start), term)

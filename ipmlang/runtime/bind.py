@@ -1,0 +1,119 @@
+"""Values for a program's attributes: what the caller gives, checked, and defaults for the rest.
+
+In go a program, a seed and given values by name, out come the program (its texts extended by new
+ones) and one number an attribute. Every wrong name, type and range is reported, not just the first.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+from ipmlang.compiler import ir
+from ipmlang.compiler.diagnostics import Diagnostic, IpmError, nearest
+from ipmlang.compiler.ops import FUNCTIONS
+from ipmlang.runtime import keys
+from ipmlang.runtime.code import compile_values
+
+Given = int | float | bool | str
+PHRASES = {"int": "a whole number", "float": "a number", "bool": "true or false", "string": "a text"}
+
+
+def bind(
+    program: ir.Program, given: Mapping[str, Given] | None, seed: int
+) -> tuple[ir.Program, tuple[float, ...]]:
+    """The program with its attributes' values for one run. Raises IpmError with all that is wrong.
+
+    A default is evaluated once, with the root key of the seed, over the attributes before it.
+    """
+    given = given or {}
+    names = [each.name for each in program.attrs]
+    problems = [_unknown(name, names) for name in given if name not in names]
+    strings = {text: number for number, text in enumerate(program.strings)}
+    values: list[float] = []
+    for attr in program.attrs:
+        value = given.get(attr.name)
+        problem = None if value is None else _mistyped(attr, value)
+        if problem is not None:
+            problems.append(problem)
+            value = None
+        if value is None:
+            number = _default(program, attr, values, seed)
+        elif isinstance(value, str):
+            number = float(strings.setdefault(value, len(strings)))
+        else:
+            number = float(value)
+        problem = _outside(attr, number, list(strings))
+        if problem is not None and not (attr.name in given and value is None):
+            problems.append(problem)
+        values.append(number)
+    if problems:
+        raise IpmError(problems)
+    return replace(program, strings=tuple(strings)), tuple(values)
+
+
+def _default(
+    program: ir.Program, attr: ir.Attribute, before: list[float], seed: int
+) -> float:
+    code, register = attr.default
+    _, single = compile_values(code, attr.registers, (register,), FUNCTIONS)
+    k0, k1 = keys.root(seed)
+    value = float(single((), k0, k1, {}, before, ())[0])
+    return float(round(value)) if attr.type == "int" and math.isfinite(value) else value
+
+
+def _unknown(name: str, names: list[str]) -> Diagnostic:
+    known = ", ".join(f"`{each}`" for each in names[:8])
+    return Diagnostic(
+        "unknown-attribute",
+        f"there is no attribute `{name}`",
+        expected=f"one of {known}{' …' if len(names) > 8 else ''}" if names else None,
+        suggestions=nearest(name, names),
+        hint=None if names else "this grammar has no `attr` that could be set",
+    )
+
+
+def _mistyped(attr: ir.Attribute, value: Given) -> Diagnostic | None:
+    match attr.type:
+        case "string":
+            fits = isinstance(value, str)
+        case "bool":
+            fits = isinstance(value, bool)
+        case "int":
+            whole = isinstance(value, int | float) and math.isfinite(value) and value == int(value)
+            fits = whole and not isinstance(value, bool)
+        case "float":
+            fits = isinstance(value, int | float) and not isinstance(value, bool)
+            fits = fits and math.isfinite(value)
+    if fits:
+        return None
+    return Diagnostic(
+        "wrong-attribute-type",
+        f"`{attr.name}` is {PHRASES[attr.type]}, not {value!r}",
+        expected=PHRASES[attr.type],
+        hint=attr.doc,
+    )
+
+
+def _outside(attr: ir.Attribute, number: float, strings: list[str]) -> Diagnostic | None:
+    """What is wrong with the value of an attribute that has a range."""
+    if attr.choices:
+        shown = strings[int(number)] if attr.type == "string" else number
+        if shown in attr.choices:
+            return None
+        allowed = ", ".join(str(each) for each in attr.choices)
+        return _out(attr, f"`{attr.name}` is {shown!s}, which is none of {allowed}")
+    low = -math.inf if attr.low is None else attr.low
+    high = math.inf if attr.high is None else attr.high
+    if attr.type == "string" or low <= number <= high:
+        return None
+    if attr.low is not None and attr.high is not None:
+        bounds = f"from {low:g} to {high:g}"
+    else:
+        bounds = f"at least {low:g}" if attr.low is not None else f"at most {high:g}"
+    return _out(attr, f"`{attr.name}` is {number:g}, but must be {bounds}")
+
+
+def _out(attr: ir.Attribute, message: str) -> Diagnostic:
+    return Diagnostic("attribute-out-of-range", message, hint=attr.doc)
