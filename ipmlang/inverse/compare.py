@@ -157,7 +157,7 @@ def _named(rows: Integers, what: str) -> Iterable[Offender]:
 
 def _curves(drawing: Drawing) -> Curves:
     empty = Outline(
-        np.zeros(0, np.uint8), np.zeros((0, 4, 2)), np.zeros(0, np.int32), np.zeros(0, np.bool_)
+        np.zeros(0, np.uint8), np.zeros((0, 4, 2)), np.zeros(1, np.int32), np.zeros(0, np.bool_)
     )
     return stack([empty if each.outline is None else each.outline for each in drawing.elements])
 

@@ -12,7 +12,6 @@ from dataclasses import replace
 
 from ipmlang.compiler import ir
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, nearest
-from ipmlang.compiler.ops import FUNCTIONS
 from ipmlang.runtime import keys
 from ipmlang.runtime.code import compile_values
 
@@ -57,7 +56,7 @@ def _default(
     program: ir.Program, attr: ir.Attribute, before: list[float], seed: int
 ) -> float:
     code, register = attr.default
-    _, single = compile_values(code, attr.registers, (register,), FUNCTIONS)
+    _, single = compile_values(code, (register,))
     k0, k1 = keys.root(seed)
     value = float(single((), k0, k1, {}, before, ())[0])
     return float(round(value)) if attr.type == "int" and math.isfinite(value) else value

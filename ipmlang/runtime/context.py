@@ -32,13 +32,50 @@ class _Found:
     modules: list[tuple[ir.Pattern, Whole]]
 
 
+class _Items:
+    """What stands directly in each branch, branch by branch: modules and opening brackets.
+
+    `place` (n,) their places in the string, `heads` those that are first in their branch.
+    """
+
+    def __init__(self, branches: Branches, modules: Whole) -> None:
+        inner: Whole = branches.order[branches.opens[1:]].astype(np.int64) - 1
+        items = np.concatenate((modules, inner))
+        # a bracket stands behind the row before it, and so does the next one there
+        rows = np.concatenate((branches.place[modules + 1] * 2, branches.parent[1:] * 2 + 1))
+        order: Whole = np.lexsort((items, rows))
+        branch = branches.branch()[rows[order] // 2]
+        opening = branches.order[branches.opens].astype(np.int64) - 1
+        self.place: Whole = items[order]
+        self.heads = np.ones(len(items), np.bool_)
+        self.heads[1:] = branch[1:] != branch[:-1]
+        self.owner: Whole = opening[branch]  # the bracket around each, -1 around the whole string
+
+    def behind(self, wanted: Flags) -> Whole:
+        """For each item the number of the nearest wanted one before it in its branch, or -1."""
+        numbers = np.arange(len(self.place))
+        nearest = np.maximum.accumulate(np.where(wanted, numbers, -1))
+        before = np.append(-1, nearest)[:-1]
+        first = np.maximum.accumulate(np.where(self.heads, numbers, 0))
+        return np.where(before >= first, before, -1)
+
+    def ahead(self, wanted: Flags) -> Whole:
+        """For each item the number of the nearest wanted one from it on in its branch, or -1."""
+        count = len(self.place)
+        numbers = np.arange(count)
+        nearest = np.minimum.accumulate(np.where(wanted, numbers, count)[::-1])[::-1]
+        ends = np.where(np.append(self.heads[1:], True), numbers, count)
+        last = np.minimum.accumulate(ends[::-1])[::-1]
+        return np.where(nearest <= last, nearest, -1)
+
+
 class Neighbours:
     """The neighbours of every module of a string of `length` modules and brackets.
 
-    A branch is read as a sequence of items: its modules and the opening brackets of its branches.
-    `_next` leads from an item to the next of its branch, `_head` from an opening bracket to the
-    first item inside, `_from` from an item to the first module at or behind it, `_left` from a
-    module to its left neighbour; -1 where there is none.
+    A branch is read as a sequence of items. `_next` leads from an item to the next of its branch
+    that is not ignored, `_head` from an opening bracket to the first such inside, `_from` from an
+    item to the first module at or behind it, `_left` from a module to its left neighbour; -1 where
+    there is none.
     """
 
     def __init__(self, program: ir.Program, length: int, tables: dict[int, Modules]) -> None:
@@ -51,52 +88,33 @@ class Neighbours:
             self._row[table.place] = np.arange(table.count)
         opens = np.flatnonzero(self._symbol == OPEN)
         branches = Branches(length, opens, np.flatnonzero(self._symbol == CLOSE))
-        seen = self._symbol >= 0
-        for symbol in program.ignore:
-            seen &= self._symbol != symbol
-        self._link(branches, np.flatnonzero(seen), opens)
+        self._link(_Items(branches, np.flatnonzero(self._symbol >= 0)), program.ignore)
 
-    def _link(self, branches: Branches, seen: Whole, opens: Whole) -> None:
-        inner: Whole = branches.order[branches.opens[1:]].astype(np.int64) - 1
-        items = np.concatenate((seen, inner))
-        place = np.concatenate((branches.place[seen + 1] * 2, branches.parent[1:] * 2 + 1))
-        order: Whole = np.lexsort((items, place))
-        items = items[order]
-        branch = branches.branch()[place[order] // 2]
-        heads = np.ones(len(items), np.bool_)
-        heads[1:] = branch[1:] != branch[:-1]
-        tails = np.roll(heads, -1)
-        length = len(self._symbol)
-        self._next = np.full(length, -1, np.int64)
-        self._next[items[~tails]] = np.append(items[1:], -1)[~tails]
-        self._head = np.full(length + 1, -1, np.int64)
-        owner = branches.order[branches.opens] - 1  # -1 for the whole string: the spare last cell
-        self._head[owner[branch[heads]]] = items[heads]
-        self._from = np.full(length, -1, np.int64)
-        self._from[items] = self._reached(items, tails)
-        self._left = np.full(length, -1, np.int64)
-        self._left[items] = self._before(items, heads, owner[branch])
+    def _link(self, items: _Items, ignored: frozenset[int]) -> None:
+        length, place = len(self._symbol), items.place
+        symbol = self._symbol[place]
+        seen = symbol >= 0
+        for number in ignored:
+            seen &= symbol != number
+        self._head, self._next, self._from, self._left = (
+            np.full(length, -1, np.int64) for _ in range(4)
+        )
+        target = items.ahead(seen | (symbol == OPEN))
+        inner = items.heads & (items.owner >= 0)
+        self._head[items.owner[inner]] = _at(place, target[inner])
+        following = np.append(target[1:], -1)
+        following[np.append(items.heads[1:], True)] = -1
+        self._next[place] = _at(place, following)
+        self._from[place] = _at(place, items.ahead(seen))
+        self._left[place] = self._before(items, seen)
 
-    def _reached(self, items: Whole, tails: Flags) -> Whole:
-        """For each item the first module at or behind it in its branch."""
-        count = len(items)
-        index = np.where(self._symbol[items] >= 0, np.arange(count), count)
-        nearest = np.minimum.accumulate(index[::-1])[::-1]
-        ends = np.where(tails, np.arange(count), count)
-        last = np.minimum.accumulate(ends[::-1])[::-1]
-        return np.where(nearest <= last, items[np.minimum(nearest, count - 1)], -1)
-
-    def _before(self, items: Whole, heads: Flags, owner: Whole) -> Whole:
+    def _before(self, items: _Items, seen: Flags) -> Whole:
         """For each item the module before it: in its branch, or before the branch it stands in."""
-        count = len(items)
-        modules = np.where(self._symbol[items] >= 0, np.arange(count), -1)
-        nearest = np.append(-1, np.maximum.accumulate(modules))[:-1]
-        first = np.maximum.accumulate(np.where(heads, np.arange(count), 0))
-        inside = nearest >= first
-        left = np.where(inside, items[nearest], -1)
+        nearest = items.behind(seen)
+        left = _at(items.place, nearest)
         number = np.zeros(len(self._symbol), np.int64)
-        number[items] = np.arange(count)
-        around = np.where(inside, -1, owner)
+        number[items.place] = np.arange(len(items.place))
+        around = np.where(nearest >= 0, -1, items.owner)
         while (around >= 0).any():
             rows = np.flatnonzero(around >= 0)
             above = number[around[rows]]
@@ -189,6 +207,11 @@ class Neighbours:
                 rows = np.flatnonzero((at >= 0) & (symbols == symbol))
                 values[rows] = spread(table.params[number], self._row[at[rows]])
         return values
+
+
+def _at(places: Whole, numbers: Whole) -> Whole:
+    """The places of items by their numbers, -1 for -1."""
+    return np.where(numbers >= 0, places[numbers], -1) if len(places) else numbers
 
 
 def _flat(patterns: Sequence[ir.Pattern]) -> list[ir.Pattern]:

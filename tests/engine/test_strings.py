@@ -11,6 +11,7 @@ from ipmlang.compiler import ir
 from ipmlang.runtime.scene import OUTLINE, SEGMENT, Scene
 from ipmlang.runtime.strings import derive_modules, derive_string
 from tests import oracle_strings as oracle
+from tests.engine.grammars import compiled
 from tests.engine.programs import program
 
 ARITY = {
@@ -189,3 +190,25 @@ def test_cuts(system: oracle.System, seed: int) -> None:
 def test_tropism(system: oracle.System, seed: int) -> None:
     system.planar, system.tropism = False, (-0.61, 0.77, -0.19, 0.4)
     compare(system, seed)
+
+
+def test_brackets_that_touch_are_two_branches() -> None:
+    scene = derive_string(compiled("start [f F] [F] F\n"), (), 0, ir.Limits())
+    assert scene.instances.position[:, 0].tolist() == [1, 0, 0]
+
+
+def test_copies_that_draw_nothing_bend_what_follows() -> None:
+    text = "tropism (0, -1, 0) 0.3\nstart repeat(i < 3){} {{ F }}\n"
+    every, some = (
+        derive_string(compiled(text.format(holes)), (), 0, ir.Limits()).instances
+        for holes in ("", " except (0, 1)")
+    )
+    assert len(some) == 1
+    np.testing.assert_array_equal(some.position[0], every.position[2])
+    np.testing.assert_array_equal(some.rotation[0], every.rotation[2])
+
+
+def test_an_ignored_symbol_has_contexts_of_its_own() -> None:
+    text = "ignore F\nF > A --> f\nB < F --> +\nstart B F F A [F A] F steps 1\n"
+    string = derive_modules(compiled(text), (), 0, ir.Limits())
+    assert [name for name, _ in string] == ["B", "f", "f", "A", "[", "f", "A", "]", "F"]

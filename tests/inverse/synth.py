@@ -75,7 +75,7 @@ def compound(*parts: Outline) -> Outline:
     return Outline(
         np.concatenate([part.kind for part in parts]),
         np.concatenate([part.coords for part in parts]),
-        (np.cumsum(lengths) - lengths).astype(np.int32),
+        np.cumsum([0, *lengths], dtype=np.int32),
         np.concatenate([part.closed for part in parts]),
     )
 
@@ -185,7 +185,7 @@ def _placements(at: Floats, angle: Floats | None = None) -> Floats:
 
 
 def _outline(kind: NDArray[np.integer], coords: Floats, closed: bool) -> Outline:
-    starts = np.zeros(1, np.int32)
+    starts = np.array([0, len(kind)], np.int32)
     return Outline(kind.astype(np.uint8), coords, starts, np.array([closed]))
 
 

@@ -241,7 +241,7 @@ def test_an_approximation_is_measured_truly() -> None:
     turn = np.array([[0, 1], [-1, 0]])
     coords = np.stack([quarter @ np.linalg.matrix_power(turn, k) for k in range(4)]) * 40
     arcs = circle(40)
-    cubics = Outline(np.full(4, CUBIC, np.uint8), coords, arcs.starts, arcs.closed)
+    cubics = Outline(np.full(4, CUBIC, np.uint8), coords, np.array([0, 4], np.int32), arcs.closed)
     found = shown(arcs, cubics)
     assert found.max_error * DIAGONAL / 40 == pytest.approx(2.7253e-4, rel=0.01)
 

@@ -28,6 +28,7 @@ class Definitions:
         self._ids: set[str] = set()
         self._paints: dict[tuple[str, Matrix], str] = {}
         self._effects: dict[Effect, str] = {}
+        self._names: dict[str, dict[str, str]] = {}
 
     def text(self) -> str:
         """The `<defs>` element, empty if nothing needs one."""
@@ -48,8 +49,8 @@ class Definitions:
     def group(self, effect: Effect) -> str:
         """The attributes of the group that makes an effect, its definitions taken in."""
         if effect not in self._effects:
-            names: dict[str, str] = {}
-            if effect.definitions.strip():
+            names = self._names.setdefault(effect.definitions, {})
+            if effect.definitions.strip() and not names:
                 self._written.append(self._adopted(effect.definitions, names))
             self._effects[effect] = "".join(
                 f' {name}="{escape(_renamed(value, names))}"' for name, value in effect.attributes

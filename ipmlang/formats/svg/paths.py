@@ -26,7 +26,8 @@ _COMMANDS = re.compile(r"([MmZzLlHhVvCcSsQqTtAa])([^MmZzLlHhVvCcSsQqTtAa]*+)")
 _NUMBERS = re.compile(NUMBER, re.ASCII)
 _SEPARATOR = rf"{_SPACE},?+{_SPACE}"
 _ARC = re.compile(
-    _SEPARATOR.join([rf"({NUMBER})"] * 3 + ["([01])"] * 2 + [rf"({NUMBER})"] * 2) + _SEPARATOR,
+    _SPACE
+    + _SEPARATOR.join([rf"({NUMBER})"] * 3 + ["([01])"] * 2 + [rf"({NUMBER})"] * 2) + _SEPARATOR,
     re.ASCII,
 )
 _TAKES = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2}

@@ -8,7 +8,7 @@ disk: `ipmlang.formats.atomic` does.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 
 import numpy as np
@@ -43,15 +43,27 @@ def write_svg(drawing: Drawing) -> str:
     >>> text.splitlines()[1]
     '<path d="M0 0L4 3" stroke="#ff0000"/>'
     """
+    return write_groups(drawing, {})
+
+
+def write_groups(drawing: Drawing, runs: Mapping[str, int], head: str = "") -> str:
+    """The SVG file of a drawing whose first elements form groups with ids: `runs` says how many
+    each. `head` is XML that goes before them (metadata, say).
+    """
     box = drawing.box if drawing.box is not None else fitted_box(drawing.elements)
-    diagonal = math.hypot(box[2], box[3])
     if not all(map(math.isfinite, box)):
         raise FormatError("the drawing has a box without a value")
-    decimals = decimals_for(diagonal)
     definitions = Definitions()
-    tags = _tags(drawing.elements, decimals, definitions)
-    body = _grouped(drawing, tags, definitions)
-    return _HEAD.format(size=_size(drawing, box)) + definitions.text() + body + "</svg>\n"
+    tags = _tags(drawing.elements, decimals_for(math.hypot(box[2], box[3])), definitions)
+    body: list[str] = []
+    start = 0
+    for name, count in runs.items():
+        inner = _grouped(drawing, tags, range(start, start + count), definitions)
+        body.append(f'<g id="{escape(name)}">\n{inner}</g>\n')
+        start += count
+    body.append(_grouped(drawing, tags, range(start, len(tags)), definitions))
+    opening = _HEAD.format(size=_size(drawing, box))
+    return "".join([opening, definitions.text(), head, *body, "</svg>\n"])
 
 
 def fitted_box(elements: Sequence[DrawnElement]) -> Box:
@@ -185,15 +197,16 @@ def _paint_text(paint: Paint, back: Matrix, definitions: Definitions) -> str:
     return definitions.paint(paint, matrix)
 
 
-def _grouped(drawing: Drawing, tags: list[str], definitions: Definitions) -> str:
+def _grouped(drawing: Drawing, tags: list[str], which: range, definitions: Definitions) -> str:
     """The tags line by line, runs with the same effects wrapped in one group."""
     lines: list[str] = []
     open_groups: tuple[str, ...] = ()
     closers: list[str] = []
-    for element, tag in zip(drawing.elements, tags, strict=True):
+    for index in which:
+        tag = tags[index]
         if not tag:
             continue
-        wanted = element.style.effects
+        wanted = drawing.elements[index].style.effects
         if wanted != open_groups:
             shared = _shared(open_groups, wanted)
             lines += reversed(closers[shared:])

@@ -154,7 +154,7 @@ def full_ellipse(major: float, minor: float) -> Outline:
 
 
 def _single(kind: int, coords: Floats, closed: bool) -> Outline:
-    starts = np.zeros(1, np.int32)
+    starts = np.array([0, 1], np.int32)
     return Outline(np.array([kind], np.uint8), coords, starts, np.array([closed]))
 
 

@@ -118,13 +118,13 @@ def _by_parts(
 
 def _subpaths(outline: Outline) -> list[Outline]:
     """The subpaths as outlines of their own."""
-    ends = np.append(outline.starts[1:], len(outline.kind))
-    spans = zip(outline.starts.tolist(), ends.tolist(), outline.closed, strict=True)
+    bounds = outline.starts.tolist()
+    spans = zip(bounds[:-1], bounds[1:], outline.closed, strict=True)
     return [
         Outline(
             outline.kind[start:end],
             outline.coords[start:end],
-            np.zeros(1, np.int32),
+            np.array([0, end - start], np.int32),
             np.array([closed]),
         )
         for start, end, closed in spans
@@ -146,7 +146,7 @@ def _extent(curves: Curves) -> Floats:
 def _layouts(outlines: Sequence[Outline]) -> Integers:
     """(n,) equal numbers for equal subpath offsets and closings."""
     known: dict[tuple[bytes, bytes], int] = {}
-    keys = ((each.starts.tobytes(), each.closed.tobytes()) for each in outlines)
+    keys = ((each.starts[:-1].tobytes(), each.closed.tobytes()) for each in outlines)
     return np.array([known.setdefault(key, len(known)) for key in keys], np.int64)
 
 

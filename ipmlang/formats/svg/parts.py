@@ -1,0 +1,83 @@
+"""A parts file: an SVG whose groups are terminals, effects and tables, each known by its id.
+
+`write_parts` prints one, `read_effect` takes one effect out of it; terminals are read back by
+`read_node`, tables by `read_table`. Nothing here decides what becomes a part.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ipmlang.formats import FormatError
+from ipmlang.formats.drawing import Drawing, DrawnElement, Effect
+from ipmlang.formats.svg.definitions import matrix_text
+from ipmlang.formats.svg.transforms import IDENTITY, parse_transform
+from ipmlang.formats.svg.write import fitted_box, write_groups
+from ipmlang.formats.svg.xml import SVG
+
+if TYPE_CHECKING:
+    from lxml import etree
+
+_NOT_EFFECTS = frozenset({"id", "transform"})
+
+
+def write_parts(
+    terminals: Mapping[str, Sequence[DrawnElement]],
+    *,
+    element_effects: Mapping[str, Effect] | None = None,
+    effects: Mapping[str, Effect] | None = None,
+    tables: Sequence[str] = (),
+) -> str:
+    """The file that holds `terminals` by id, `effects` by id and tables (from `table_xml`).
+
+    `element_effects` are those that elements of terminals name in their styles.
+    """
+    elements = tuple(element for group in terminals.values() for element in group)
+    drawing = Drawing(elements, fitted_box(elements), effects=element_effects or {})
+    metadata = "<metadata>\n" + "\n".join(tables) + "\n</metadata>\n" if tables else ""
+    wraps = "".join(_effect_text(name, each) for name, each in (effects or {}).items())
+    runs = {name: len(group) for name, group in terminals.items()}
+    return write_groups(drawing, runs, head=metadata + wraps)
+
+
+def read_effect(path: Path | str, node_id: str) -> tuple[Effect, ...]:
+    """The effects that a group of a parts file makes, its parents' first.
+
+    Raises `FormatError` if the file cannot be read or has no such group.
+    """
+    from lxml import etree
+
+    parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
+    try:
+        root = etree.fromstring(Path(path).read_bytes(), parser)
+    except (OSError, etree.XMLSyntaxError) as error:
+        raise FormatError(f"cannot read {path}: {error}") from error
+    node = next((each for each in root.iter("*") if each.get("id") == node_id), None)
+    if node is None:
+        raise FormatError(f"no element in {path} has the id `{node_id}`")
+    chain = [each for each in (node, *node.iterancestors()) if each is not root]
+    found = [_effect(each) for each in reversed(chain)]
+    return tuple(effect for effect in found if effect.attributes)
+
+
+def _effect(node: etree._Element) -> Effect:
+    from lxml import etree
+
+    pairs = ((str(name), str(value)) for name, value in node.attrib.items())
+    attributes = tuple(pair for pair in pairs if pair[0] not in _NOT_EFFECTS)
+    inner = (part for defs in node.findall(f"{{{SVG}}}defs") for part in defs)
+    definitions = "".join(
+        etree.tostring(part, encoding="unicode", with_tail=False) for part in inner
+    )
+    matrix = parse_transform(node.get("transform") or "")
+    return Effect(attributes, definitions, IDENTITY if matrix is None else matrix)
+
+
+def _effect_text(name: str, effect: Effect) -> str:
+    attributes = "".join(f' {key}="{escape(value)}"' for key, value in effect.attributes)
+    transform = "" if effect.matrix == IDENTITY else f' transform="{matrix_text(effect.matrix)}"'
+    inner = f"<defs>{effect.definitions}</defs>" if effect.definitions else ""
+    return f'<g id="{escape(name)}"{transform}{attributes}>{inner}</g>\n'
