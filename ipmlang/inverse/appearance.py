@@ -50,9 +50,8 @@ def _visible(
     more: tuple[tuple[str, str], ...], stroked: bool, filled: bool
 ) -> list[tuple[str, str]]:
     """Properties that show, given what is painted."""
-    hidden = () if stroked else ("stroke",)
-    hidden += () if filled else ("fill",)
-    return sorted(pair for pair in more if not pair[0].startswith(hidden or ("\0",)))
+    hidden = [name for name, shows in (("stroke", stroked), ("fill", filled)) if not shows]
+    return sorted(pair for pair in more if not pair[0].startswith(tuple(hidden)))
 
 
 def same_paint(a: Paint, b: Paint, unit: float) -> bool:

@@ -1,210 +1,135 @@
-"""A flat scene as a drawing: every row in its place, in paint order, with its style.
+"""What a derivation draws, kept by reference until all places are known.
 
-In goes the instance table, out comes a `Drawing` of `formats.drawing`. Assets are read once each and
-placed for all their rows together. Nothing is derived and nothing is written here.
+In go drawings as columns of a batch or as single rows; out come rows in derivation order. Keys and
+rotations are made only then; each column is written into its place chunk by chunk and let go.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
-from ipmlang.compiler.diagnostics import fail
-from ipmlang.formats.drawing import LINE, Drawing, DrawnElement, Effect, Outline, Style
-from ipmlang.formats.svg.transforms import Matrix, multiply, translate
-from ipmlang.runtime.drawn_assets import (
-    depends_on_frame,
-    drawn_assets,
-    effects_of,
-    moved_style,
-    placed,
-)
-from ipmlang.runtime.placing import drawing_matrices
-from ipmlang.runtime.row_styles import row_sources, row_styles
-from ipmlang.runtime.scene import OUTLINE, SCOPE, SEGMENT, AssetRef, Scene
+from ipmlang.runtime import keys, scan
+from ipmlang.runtime.assemble import TEXT_FIELDS, Rows
+from ipmlang.runtime.bodies import OWN
+from ipmlang.runtime.code import Column
+from ipmlang.runtime.keys import Words
 
-Floats = NDArray[np.float64]
-Rows = NDArray[np.intp]
-
-_INSIDE = "#808080"
-_THIN = 1 / 500  # width of a segment whose pen sets none, as a share of the drawing's diagonal
-_BATCH = 4_000_000  # numbers placed at a time
+Places = NDArray[np.int32]
 
 
-def drawing_of(scene: Scene) -> Drawing:
-    """The drawing of a flat scene; an `IpmError` if the scene is not flat or an asset is wrong."""
-    if not scene.flat:
-        raise fail(
-            "not-flat",
-            "this grammar leaves the plane, so it has no drawing",
-            hint="write .glb or .obj; pictures of 3-D come with `render`",
-        )
-    return _Sheet(scene).drawing()
+@dataclass(slots=True, eq=False)
+class Chunk:
+    """Drawings `start` .. `start + count`. Columns are one number or one a row of the batch that
+    drew; `rows` are those of the batch that did (None: all). The key of each is the child of (k0,
+    k1) at `site`, in the copies, or those words themselves."""
+
+    start: int
+    count: int
+    rule: int | NDArray[np.int32]
+    symbol: int | NDArray[np.int32]
+    asset: int | NDArray[np.int32]
+    size: tuple[Column, ...]
+    state: dict[str, Column]
+    k0: Words
+    k1: Words
+    site: int = OWN
+    copies: tuple[Words, ...] = ()
+    rows: NDArray[np.int64] | None = None
+
+    def column(self, value: object) -> object:
+        """A column's values for the rows that drew."""
+        if self.rows is None or not isinstance(value, np.ndarray):
+            return value
+        return value[self.rows]
+
+    def key(self) -> NDArray[np.uint64]:
+        """The keys, packed."""
+        words = [np.asarray(self.column(each)) for each in (self.k0, self.k1, *self.copies)]
+        if self.site == OWN:
+            return keys.packed(words[0], words[1])
+        return keys.packed(*keys.child(words[0], words[1], self.site, *words[2:]))
 
 
-@dataclass(slots=True)
-class _Sheet:
-    """The drawing while it is made: `elements` holds a place for everything that is drawn."""
-
-    scene: Scene
-    elements: list[DrawnElement | None] = field(default_factory=list)
-    effects: dict[str, Effect] = field(default_factory=dict)
-
-    @property
-    def flip(self) -> float:
-        canvas = self.scene.canvas
-        return 0.0 if canvas is None else 2 * canvas[1] + canvas[3]
-
-    def drawing(self) -> Drawing:
-        table = self.scene.instances
-        assets, notes = drawn_assets(self.scene)
-        counts = np.ones(len(table), np.intp)
-        counts[(table.asset == SCOPE) & ~(table.size[:, :2] != 0).all(axis=1)] = 0
-        for number, asset in assets.items():
-            counts[table.asset == number] = len(asset.elements)
-        # Equal layers keep the order of derivation.
-        order = np.argsort(table.layer, kind="stable")
-        place = np.empty(len(table), np.intp)
-        place[order] = np.cumsum(counts[order]) - counts[order]
-        self.elements = [None] * int(counts.sum())
-        for kind, draw in self._primitives().items():
-            rows = np.flatnonzero((table.asset == kind) & (counts > 0))
-            if len(rows):
-                draw(rows, place[rows])
-        for number, asset in assets.items():
-            self._draw_asset(number, asset, place)
-        drawn = tuple(element for element in self.elements if element is not None)
-        width, height = self.scene.canvas_size
-        return Drawing(drawn, self.scene.canvas, width, height, self.effects, notes)
-
-    def _primitives(self) -> dict[int, Callable[[Rows, Rows], None]]:
-        return {SEGMENT: self._segments, OUTLINE: self._polygons, SCOPE: self._scopes}
-
-    def _segments(self, rows: Rows, place: Rows) -> None:
-        """A line each, from the frame's origin along its x."""
-        table = self.scene.instances
-        matrices = drawing_matrices(table, rows, self.flip)
-        coords = np.zeros((len(rows), 1, 4, 2))
-        coords[:, 0, 0] = matrices[:, 4:]
-        coords[:, 0, 1] = matrices[:, 4:] + matrices[:, :2] * table.size[rows, :1]
-        base = Style(fill="none", stroke="#000000", stroke_width=self._default_width(coords))
-        kind, starts = np.array([LINE], np.uint8), np.array([0, 1], np.int32)
-        self._fill(rows, place, base, kind, starts, np.array([False]), coords)
-
-    def _scopes(self, rows: Rows, place: Rows) -> None:
-        """The rectangle of each scope."""
-        table = self.scene.instances
-        corners = np.array([[0, 0], [1, 0], [1, -1], [0, -1], [0, 0]], float)
-        matrices = drawing_matrices(table, rows, self.flip)
-        local = corners * table.size[rows, None, :2]
-        linear = matrices[:, :4].reshape(-1, 2, 2)
-        points = local @ linear + matrices[:, None, 4:]
-        coords = np.zeros((len(rows), 4, 4, 2))
-        coords[:, :, 0], coords[:, :, 1] = points[:, :-1], points[:, 1:]
-        base = Style(fill="none", stroke="#000000", stroke_width=self._default_width(coords))
-        kind, starts = np.full(4, LINE, np.uint8), np.array([0, 4], np.int32)
-        self._fill(rows, place, base, kind, starts, np.array([True]), coords)
-
-    def _polygons(self, rows: Rows, place: Rows) -> None:
-        """Turtle polygons, filled; their corners are in the world already."""
-        styles, sources = self._looks(rows, Style(fill=_INSIDE))
-        shapes = self.scene.instances.shape[rows].tolist()
-        for index, (shape, at) in enumerate(zip(shapes, place.tolist(), strict=True)):
-            outline = _polygon(self.scene.polygons[shape], self.flip)
-            self.elements[at] = DrawnElement(outline, styles[index], None, sources[index])
-
-    def _looks(self, rows: Rows, base: Style) -> tuple[list[Style], list[tuple[str, ...]]]:
-        styles = row_styles(self.scene, rows, base, self._pen_effects)
-        return styles, row_sources(self.scene, rows)
-
-    def _default_width(self, coords: Floats) -> float:
-        """1 on a canvas, else a share of the diagonal of what is drawn."""
-        if self.scene.canvas is not None:
-            return 1.0
-        points = coords[:, :, :2].reshape(-1, 2)
-        diagonal = float(np.hypot(*np.ptp(points, axis=0)))
-        return float(f"{diagonal * _THIN:.3g}") or 1.0
-
-    def _fill(
-        self,
-        rows: Rows,
-        place: Rows,
-        base: Style,
-        kind: NDArray[np.uint8],
-        starts: NDArray[np.int32],
-        closed: NDArray[np.bool_],
-        coords: Floats,
-    ) -> None:
-        """One element a row; outlines that share all but their coordinates (n, m, 4, 2)."""
-        styles, sources = self._looks(rows, base)
-        elements = self.elements
-        for at, points, style, source in zip(place.tolist(), coords, styles, sources, strict=True):
-            outline = Outline(kind, points, starts, closed)
-            elements[at] = DrawnElement(outline, style, None, source)
-
-    def _draw_asset(self, number: int, asset: Drawing, place: Rows) -> None:
-        table = self.scene.instances
-        rows = np.flatnonzero(table.asset == number)
-        matrices = drawing_matrices(table, rows, self.flip)
-        for offset, element in enumerate(asset.elements):
-            at, outline = place[rows] + offset, element.outline
-            if outline is None or depends_on_frame(element.style):
-                self._place_singly(rows, at, matrices, asset, element)
-                continue
-            step = max(1, _BATCH // (8 * len(outline.kind) + 1))
-            for begin in range(0, len(rows), step):
-                part = slice(begin, begin + step)
-                coords = placed(outline, matrices[part])
-                shared = (outline.kind, outline.starts, outline.closed)
-                self._fill(rows[part], at[part], element.style, *shared, coords)
-
-    def _place_singly(
-        self, rows: Rows, at: Rows, matrices: Floats, asset: Drawing, element: DrawnElement
-    ) -> None:
-        """Copies of what has a space of its own: fragments, gradients, slanted pens, effects."""
-        styles, sources = self._looks(rows, element.style)
-        own = element.style.effects
-        for index, (position, row) in enumerate(zip(at.tolist(), matrices.tolist(), strict=True)):
-            matrix: Matrix = (row[0], row[1], row[2], row[3], row[4], row[5])
-            style = moved_style(styles[index], matrix)
-            if own:
-                outer = style.effects[: -len(own)]
-                carried = tuple(self._carry(asset, name, matrix) for name in own)
-                style = replace(style, effects=outer + carried)
-            outline, fragment = element.outline, element.fragment
-            if outline is not None:
-                outline = replace(outline, coords=placed(outline, matrices[index : index + 1])[0])
-            if fragment is not None:
-                fragment = replace(fragment, matrix=multiply(matrix, fragment.matrix))
-            self.elements[position] = DrawnElement(outline, style, fragment, sources[index])
-
-    def _carry(self, asset: Drawing, name: str, matrix: Matrix) -> str:
-        """An effect inside an asset, in the space of one of its copies."""
-        effect = asset.effects[name]
-        key = f"{name} {matrix}"
-        self.effects[key] = replace(effect, matrix=multiply(matrix, effect.matrix))
-        return key
-
-    def _pen_effects(self, reference: AssetRef | None) -> tuple[str, ...]:
-        """The effects that a pen wraps its run in, outermost first."""
-        if reference is None:
-            return ()
-        shift = translate(0.0, self.flip)
-        names = []
-        for index, effect in enumerate(effects_of(reference)):
-            names.append(f"{reference.path}#{reference.node} {index}")
-            self.effects[names[-1]] = replace(effect, matrix=multiply(shift, effect.matrix))
-        return tuple(names)
+def rows(chunks: Sequence[Chunk], places: Places, initial: dict[str, float]) -> Rows:
+    """All drawings in the order of their places (n,); `initial` are the state's fields."""
+    columns = _Columns(chunks, places)
+    count = len(places)
+    key = columns.filled(np.uint64, lambda chunk: chunk.key())
+    for chunk in chunks:
+        chunk.k0 = chunk.k1 = np.zeros(0, np.uint32)
+        chunk.copies = ()
+    width = columns.field("width", np.float32, np.nan)
+    layer = columns.field("layer", np.float64, 0.0)
+    scale = columns.field("scale", np.float64, 1.0)
+    texts = {name: columns.field(name, np.int32, -1) for name in TEXT_FIELDS if name in initial}
+    color = columns.field("color", np.int32, -1)
+    position = np.zeros((count, 3))
+    for axis, name in enumerate("xyz"):
+        if name in initial:
+            columns.write(position[:, axis], lambda chunk, name=name: chunk.state.pop(name))
+    rotation = _rotation(columns, count, "angle" in initial)
+    size = np.zeros((count, 3))
+    for axis in range(3):
+        columns.write(size[:, axis], lambda chunk, axis=axis: chunk.size[axis])
+    return Rows(
+        position,
+        rotation,
+        scale,
+        size,
+        columns.filled(np.int32, lambda chunk: chunk.asset),
+        np.full(count, -1, np.int32),
+        width,
+        color,
+        texts,
+        layer,
+        columns.filled(np.int32, lambda chunk: chunk.symbol),
+        columns.filled(np.int32, lambda chunk: chunk.rule),
+        key,
+    )
 
 
-def _polygon(corners: Floats, flip: float) -> Outline:
-    """A closed outline through corners (m, 2 or 3) of the model."""
-    count = len(corners)
-    coords = np.zeros((count, 4, 2))
-    coords[:, 0, 0], coords[:, 0, 1] = corners[:, 0], flip - corners[:, 1]
-    coords[:, 1] = np.roll(coords[:, 0], -1, axis=0)
-    kind, starts = np.full(count, LINE, np.uint8), np.array([0, count], np.int32)
-    return Outline(kind, coords, starts, np.array([True]))
+def _rotation(columns: _Columns, count: int, planar: bool) -> NDArray[np.float64]:
+    rotation = np.zeros((count, 4))
+    if not planar:
+        for axis, name in enumerate("wijk"):
+            columns.write(rotation[:, axis], lambda chunk, name=name: chunk.state.pop(name))
+        for start in range(0, count, 1 << 16):
+            part = rotation[start : start + (1 << 16)]
+            part /= np.sqrt(np.einsum("ij,ij->i", part, part))[:, None]
+        return rotation
+    angle = np.empty(count)
+    columns.write(angle, lambda chunk: chunk.state.pop("angle"))
+    for start in range(0, count, 1 << 16):
+        rotation[start : start + (1 << 16)] = scan.about_z(angle[start : start + (1 << 16)])
+    return rotation
+
+
+class _Columns:
+    """Writes one column after the other."""
+
+    def __init__(self, chunks: Sequence[Chunk], places: Places) -> None:
+        self._chunks = chunks
+        self._places = places
+
+    def write(self, out: NDArray[np.generic], value: Callable[[Chunk], object]) -> None:
+        """Put a column of all chunks into place."""
+        for chunk in self._chunks:
+            if chunk.count:
+                found = chunk.column(value(chunk))
+                out[self._places[chunk.start : chunk.start + chunk.count]] = found
+
+    def filled(self, kind: DTypeLike, value: Callable[[Chunk], object]) -> NDArray[np.generic]:
+        """A new column."""
+        out = np.empty(len(self._places), kind)
+        self.write(out, value)
+        return out
+
+    def field(self, name: str, kind: DTypeLike, default: float) -> NDArray[np.generic]:
+        """A new column of a field of the state, which may not be there."""
+        if not any(name in chunk.state for chunk in self._chunks):
+            return np.full(len(self._places), default, kind)
+        return self.filled(kind, lambda chunk: chunk.state.pop(name))

@@ -18,6 +18,7 @@ Integers = NDArray[np.intp]
 _CUBIC = 3
 _THINNEST = 1e-2  # ry / rx below which rounding the endpoints would shift the centre too far
 _SLACK = 20.0  # how much the rounding of an end may grow in the centre
+_FINER = 3  # decimals more for arcs that are delicate but worth keeping whole
 _CUBIC_TURN = np.pi / 16  # a cubic's error over this angle is below 1e-9 of the radius
 _EXACT = 1e-9
 
@@ -33,6 +34,11 @@ class Pieces:
     numbers: Floats
     start: Floats
     end: Floats
+
+
+def extra_decimals(arcs: Floats) -> int:
+    """How many decimals more than usual arcs (n, 4, 2) need to keep their centres."""
+    return _FINER if (_growth(np.abs(arcs[:, 3, 1])) > _SLACK).any() else 0
 
 
 def arc_pieces(arcs: Floats, segment: Integers, unit: float) -> Pieces:
@@ -86,15 +92,21 @@ def ellipse_axes(u: Floats, v: Floats) -> tuple[Floats, Floats, Floats, NDArray[
     return long, short, degrees, middle >= spread
 
 
+def _growth(turn: Floats) -> Floats:
+    """How much a shift of an end shifts the centre; 0 for half and whole turns, which are exact."""
+    half, whole = (np.abs(turn - exact) <= _EXACT for exact in (np.pi, 2 * np.pi))
+    with np.errstate(divide="ignore"):
+        across = np.abs(np.tan(turn / 2))
+        along = np.where(turn > np.pi, 1 / np.abs(np.sin(turn / 2)), 0.0)
+    return np.where(half | whole, 0.0, np.maximum(across, along))
+
+
 def _arc_count(turn: Floats) -> Floats:
     """Into how many `A` commands an arc is cut: as few as keep the centre well-conditioned."""
-    with np.errstate(divide="ignore"):
-        growth = np.where(turn <= np.pi, np.abs(np.tan(turn / 2)), 1 / np.abs(np.sin(turn / 2)))
-    growth = np.where(turn > np.pi, np.maximum(growth, np.abs(np.tan(turn / 2))), growth)
-    half = np.abs(turn - np.pi) <= _EXACT
     whole = np.abs(turn - 2 * np.pi) <= _EXACT
     cut = np.where(turn > 1.5 * np.pi, 3.0, 2.0)
-    return np.where(half, 1.0, np.where(whole, 2.0, np.where(growth > _SLACK, cut, 1.0)))
+    delicate = _growth(turn) > _SLACK * 10.0**_FINER
+    return np.where(whole, 2.0, np.where(delicate, cut, 1.0))
 
 
 def _points(arcs: Floats, angle: Floats) -> Floats:

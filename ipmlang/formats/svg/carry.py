@@ -1,8 +1,9 @@
 """Parts of the file as self-contained XML: styles resolved onto them, what they refer to included.
 
 For what is carried through as it is (text, images) and for definitions (clips, masks, filters,
-patterns). Ids are replaced by names made from the content, so that equal definitions are equal text.
-Scripts and event attributes are dropped; addresses of files and networks stay text, never opened.
+patterns). Ids are replaced by names made from the content, so that equal definitions are equal
+text. Scripts and event attributes are dropped; addresses of files and networks stay text, never
+opened.
 """
 
 from __future__ import annotations
@@ -22,10 +23,12 @@ from ipmlang.formats.svg.units import length, shown
 from ipmlang.formats.svg.xml import XML_LANG, XML_SPACE, Node
 
 _REFERENCE = re.compile(r"""url\(\s*(["']?)#([^"')]+)\1\s*\)""")
-_IDLE = frozenset("marker-start marker-mid marker-end pointer-events cursor".split())
+_IDLE = frozenset({"marker-start", "marker-mid", "marker-end", "pointer-events", "cursor"})
 _DROPPED = frozenset({"id", "class", "style", "transform", "href"}) | PRESENTATION
-_SIZED = frozenset("x y dx dy width height cx cy r rx ry x1 y1 x2 y2 textLength".split())
-_DEFINITIONS = frozenset("clipPath mask pattern marker filter linearGradient radialGradient".split())
+_SIZES = "x y dx dy width height cx cy r rx ry x1 y1 x2 y2 textLength"
+_SIZED = frozenset(_SIZES.split())
+_DEFINED = "clipPath mask pattern marker filter linearGradient radialGradient"
+_DEFINITIONS = frozenset(_DEFINED.split())
 _DEEPEST = 32
 
 
@@ -80,9 +83,7 @@ class Carrier:
     def children(self, node: Node, viewport: tuple[float, float]) -> Carried:
         """What is inside the node, as XML."""
         definitions: dict[str, str] = {}
-        xml = "".join(
-            self._subtree(child, None, viewport, definitions) for child in node.children
-        )
+        xml = "".join(self._subtree(child, None, viewport, definitions) for child in node.children)
         self.charge(xml)
         return Carried(xml, definitions)
 
@@ -139,7 +140,7 @@ class Carrier:
         digest = hashlib.sha256(xml.encode()).hexdigest()[:10]
         name = f"{node.name}-{digest}"
         head = f"<{node.name}"
-        blocks[name] = f"{head} id=\"{name}\"{xml[len(head):]}"
+        blocks[name] = f'{head} id="{name}"{xml[len(head) :]}'
         self.charge(xml)
         return name, blocks
 
@@ -249,5 +250,3 @@ def with_definitions(carried: Carried) -> str:
     if not carried.definitions:
         return carried.xml
     return f"<g><defs>{''.join(carried.definitions.values())}</defs>{carried.xml}</g>"
-
-

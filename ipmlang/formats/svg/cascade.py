@@ -72,7 +72,7 @@ class Cascade:
         self.initial = Computed(None, {}, {}, FONT_SIZES["medium"])
 
     def specified(self, node: Node) -> Mapping[str, str]:
-        """What the node declares: attributes, then sheets, then `style`, then what is !important."""
+        """What the node declares: attributes, sheets, `style`, then what is !important."""
         known = self._specified.get(node)
         if known is None:
             known = self._specified[node] = self._declared(node)
@@ -116,9 +116,7 @@ class Cascade:
 
     def in_document(self, node: Node) -> Computed:
         """What holds for `node` where it stands in the file, whoever refers to it."""
-        chain = [node]
-        for ancestor in node.ancestors():
-            chain.append(ancestor)
+        chain = [node, *node.ancestors()]
         style = self.initial
         for one in reversed(chain):
             known = self._of_document.get(one)
@@ -145,10 +143,8 @@ def _inherit(parent: Computed, own: Mapping[str, str]) -> Computed:
         own = _with_variables(parent, own)
     own = {name: _keyword(parent, name, value) for name, value in own.items()}
     font_size = _font_size(own.get("font-size"), parent.font_size)
-    inherited = dict(parent.inherited)
-    for name, value in own.items():
-        if name in INHERITED or name.startswith("--"):
-            inherited[name] = value
+    passed_on = {n: v for n, v in own.items() if n in INHERITED or n.startswith("--")}
+    inherited = {**parent.inherited, **passed_on}
     if "font-size" in own:
         inherited["font-size"] = shown(font_size)
     for name in _RESCALED:

@@ -92,5 +92,7 @@ def _hwb(hue: float, white: float, black: float) -> tuple[float, float, float]:
 
 def _shown(red: float, green: float, blue: float) -> str:
     """Channels from 0 to 1 as #rrggbb, halves rounded up as browsers do."""
-    channels = (int(min(1.0, max(0.0, channel)) * 255 + 0.5 + 1e-9) for channel in (red, green, blue))
+    channels = (
+        int(min(1.0, max(0.0, channel)) * 255 + 0.5 + 1e-9) for channel in (red, green, blue)
+    )
     return "#{:02x}{:02x}{:02x}".format(*channels)

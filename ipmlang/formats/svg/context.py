@@ -40,8 +40,11 @@ class Source:
 
 @dataclass(slots=True, eq=False)
 class Wrap:
-    """One instance of a group effect. `mergeable`: two runs next to each other may be wrapped as one
-    without a change. `viewport`: the box of a viewport that only clips what sticks out of it."""
+    """One instance of a group effect.
+
+    `mergeable`: two runs next to each other may be wrapped as one without a change. `viewport`: the
+    box of a viewport that only clips what sticks out of it.
+    """
 
     effect: Effect
     mergeable: bool
@@ -50,7 +53,7 @@ class Wrap:
 
 @dataclass(slots=True, eq=False)
 class Placed:
-    """An outline (in its own space) or fragment, the map to the world, and all that goes with it."""
+    """An outline (in its own space) or fragment, its map to the world, and what goes with it."""
 
     outline: Outline | None
     fragment: Fragment | None
@@ -63,9 +66,12 @@ class Placed:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Context:
-    """What surrounds an element. `request`: the size that a `use` asks of the viewport it refers to,
-    None when no `use` refers to the element itself. `active`: nodes that may not be used again below
-    this one. `paints`: what context-fill and context-stroke mean inside a marker."""
+    """What surrounds an element.
+
+    `request`: the size that a `use` asks of the viewport it refers to, None when no `use` refers to
+    the element itself. `active`: nodes that may not be used again below this one.
+    `paints`: what context-fill and context-stroke mean inside a marker.
+    """
 
     style: Computed
     viewport: tuple[float, float]

@@ -58,7 +58,7 @@ def _parts(source: Source, node: Node) -> list[Node]:
 
 def _too_many(node: Node, total: int, limit: int) -> FormatError:
     name = node.attributes.get("id")
-    label = f"<{node.name} id=\"{name[:40]}\">" if name else f"<{node.name}>"
+    label = f'<{node.name} id="{name[:40]}">' if name else f"<{node.name}>"
     return FormatError(
         f"{label} would draw {total:,} elements; the limit is {limit:,}",
         node.line,

@@ -1,7 +1,7 @@
-"""Style sheets in, the declarations that match each node out; `style` attributes are read here too.
+"""Style sheets in, the declarations that match each node out; `style` attributes are read too.
 
-Media: what is for `all` or `screen` counts, `print` and the rest do not. Nothing is ever imported or
-fetched. Matching runs once per node under a budget, so that no selector can take for ever.
+Media: what is for `all` or `screen` counts, `print` and the rest do not. Nothing is ever imported
+or fetched. Matching runs once per node under a budget, so that no selector can take for ever.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _MAX_NESTING = 16
 
 @lru_cache(maxsize=8192)
 def parse_declarations(text: str) -> tuple[Declaration, ...]:
-    """The declarations of a `style` attribute or a rule's block, in order, unknown ones left out."""
+    """The declarations of a `style` attribute, in order, unknown ones left out."""
     if _PLAIN.fullmatch(text):
         return tuple(_plain_declarations(text))
     import tinycss2
@@ -79,7 +79,9 @@ def match_sheets(
         try:
             rules.extend(_sheet_rules(text, notes, sheet.line))
         except RecursionError:
-            notes.add("style-sheet", "a style sheet is nested too deep and was left out", sheet.line)
+            notes.add(
+                "style-sheet", "a style sheet is nested too deep and was left out", sheet.line
+            )
     return _match(document, rules, limits) if rules else {}
 
 
@@ -201,11 +203,13 @@ class _Budget:
 
 
 def _wrapped(root: Node, spend: Callable[[int], None]) -> Iterator[ElementWrapper]:
-    """The nodes wrapped for matching, in document order; looking around is charged to the budget."""
+    """The nodes wrapped for matching, in document order; looking around is charged."""
     from cssselect2 import ElementWrapper
 
     class Charged(ElementWrapper):  # type: ignore[misc]
         """A node for matching that pays for every list of relatives it is asked for."""
+
+        _ancestors: tuple[ElementWrapper, ...] | None
 
         @property
         def ancestors(self) -> tuple[ElementWrapper, ...]:
@@ -213,7 +217,7 @@ def _wrapped(root: Node, spend: Callable[[int], None]) -> Iterator[ElementWrappe
                 above = self.parent
                 self._ancestors = () if above is None else (*above.ancestors, above)
             spend(len(self._ancestors))
-            return self._ancestors  # type: ignore[no-any-return]
+            return self._ancestors
 
         @property
         def previous_siblings(self) -> tuple[ElementWrapper, ...]:

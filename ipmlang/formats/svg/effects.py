@@ -140,7 +140,8 @@ def _fold_opacity(
 
 def _named(chains: Iterable[list[Wrap]], stems: dict[Wrap, str]) -> dict[Wrap, str]:
     """A name for each wrap: from its content, and another one where its neighbour has that name
-    and the two may not become one group."""
+    and the two may not become one group.
+    """
     names: dict[Wrap, str] = {}
     before: list[Wrap] = []
     for chain in chains:

@@ -1,7 +1,7 @@
 """How much a drawing may ask for, and what the reader wants said about it.
 
-`Limits` bound bytes, depth and expansion, so that a small hostile file cannot mean hours or gigabytes.
-`Notes` count what was skipped or carried through. Neither touches files or geometry.
+`Limits` bound bytes, depth and expansion, so that a small hostile file cannot mean hours or
+gigabytes. `Notes` count what was skipped or carried through. Neither touches files or geometry.
 """
 
 from __future__ import annotations

@@ -25,8 +25,11 @@ _ANGLE_UNITS = (("deg", 1.0), ("grad", 0.9), ("rad", 180 / math.pi), ("turn", 36
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """A marker made ready: the map from its content to a tile whose reference point is the origin,
-    the tile itself, the viewport of its content, and its turn in degrees (None: along the path)."""
+    """A marker made ready.
+
+    The map from its content to a tile whose reference point is the origin, the tile itself, the
+    viewport of its content, and its turn in degrees (None: along the path).
+    """
 
     matrix: Matrix
     tile: Box
@@ -113,7 +116,8 @@ def _standing(frame: Frame, point: Floats, turn: float, back: bool) -> Matrix:
 
 def vertices(outline: Outline) -> tuple[Floats, list[float]]:
     """The vertices of an outline, (n, 2), and the direction of the path there in radians: halfway
-    between the way in and the way out."""
+    between the way in and the way out.
+    """
     first, last = segment_ends(outline.kind, outline.coords)
     leave, arrive = _tangents(outline, first, last)
     points: list[Floats] = []
@@ -136,7 +140,8 @@ def _between(way_in: float, way_out: float) -> float:
 
 def _tangents(outline: Outline, first: Floats, last: Floats) -> tuple[list[float], list[float]]:
     """Directions at the start and the end of each segment, in radians; a segment without length
-    has that of the one before it."""
+    has that of the one before it.
+    """
     leave: list[float] = []
     arrive: list[float] = []
     for index, kind in enumerate(outline.kind):

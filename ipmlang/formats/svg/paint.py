@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from xml.sax.saxutils import quoteattr
 
 from ipmlang.formats.drawing import PaintServer
-from ipmlang.formats.svg.cascade import Computed
 from ipmlang.formats.svg.carry import Carrier
+from ipmlang.formats.svg.cascade import Computed
 from ipmlang.formats.svg.color import parse_color
 from ipmlang.formats.svg.context import Colored, Source
 from ipmlang.formats.svg.transforms import (
@@ -254,7 +254,8 @@ def _size(name: str, text: str, boxed: bool, site: Site) -> float:
 def _tile(chain: list[Node], boxed: bool, box: Box, site: Site) -> Box:
     """The reference box of a pattern in the space of what it paints."""
     x, y, width, height = (
-        _size(name, _first(chain, name) or "0", boxed, site) for name in ("x", "y", "width", "height")
+        _size(name, _first(chain, name) or "0", boxed, site)
+        for name in ("x", "y", "width", "height")
     )
     if not boxed:
         return x, y, width, height

@@ -28,12 +28,13 @@ def write_parts(
     terminals: Mapping[str, Sequence[DrawnElement]],
     *,
     element_effects: Mapping[str, Effect] | None = None,
-    effects: Mapping[str, Effect] | None = None,
+    effects: Mapping[str, Sequence[Effect]] | None = None,
     tables: Sequence[str] = (),
 ) -> str:
     """The file that holds `terminals` by id, `effects` by id and tables (from `table_xml`).
 
-    `element_effects` are those that elements of terminals name in their styles.
+    Effects are stacks, outermost first. `element_effects` are those that elements of terminals name
+    in their styles.
     """
     elements = tuple(element for group in terminals.values() for element in group)
     drawing = Drawing(elements, fitted_box(elements), effects=element_effects or {})
@@ -76,8 +77,15 @@ def _effect(node: etree._Element) -> Effect:
     return Effect(attributes, definitions, IDENTITY if matrix is None else matrix)
 
 
-def _effect_text(name: str, effect: Effect) -> str:
+def _effect_text(name: str, stack: Sequence[Effect]) -> str:
+    """Nested groups; the innermost bears the id."""
+    outer = "".join(_opened(effect, "") for effect in stack[:-1])
+    inner = "".join(_opened(effect, f' id="{escape(name)}"') for effect in stack[-1:])
+    return outer + inner + "</g>" * len(stack) + "\n"
+
+
+def _opened(effect: Effect, identity: str) -> str:
     attributes = "".join(f' {key}="{escape(value)}"' for key, value in effect.attributes)
     transform = "" if effect.matrix == IDENTITY else f' transform="{matrix_text(effect.matrix)}"'
     inner = f"<defs>{effect.definitions}</defs>" if effect.definitions else ""
-    return f'<g id="{escape(name)}"{transform}{attributes}>{inner}</g>\n'
+    return f"<g{identity}{transform}{attributes}>{inner}"

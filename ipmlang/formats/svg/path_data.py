@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ipmlang.formats import FormatError
 from ipmlang.formats.drawing import ARC, LINE, Outline
 from ipmlang.formats.numbers import decimal_texts
-from ipmlang.formats.svg.arc_pieces import Pieces, arc_pieces
+from ipmlang.formats.svg.arc_pieces import Pieces, arc_pieces, extra_decimals
 
 _BATCH = 50_000
 _Integers = NDArray[np.intp]
@@ -87,6 +87,7 @@ def _batch_texts(outlines: list[Outline], decimals: int) -> list[str]:
         raise FormatError(
             "the drawing has a coordinate without a value (not a number, or infinite)"
         )
+    decimals += extra_decimals(segments.coords[segments.kind == ARC])
     pieces = _pieces(segments, decimals)
     lines = _print(pieces, segments, decimals).split("\n")
     for index, line in zip(filled, lines, strict=False):
@@ -174,8 +175,9 @@ def _close(
     opener = head_of[segments.start[pieces.segment[closing]]]
     gap = np.abs(pieces.end[closing] - pieces.start[opener]).max(axis=1)
     meets = gap <= 1.5 * unit
-    alone = closing == opener
-    dropped = meets & ~alone & (code[closing] == LINE)
+    # A line without length must be written: `Z` would not draw it.
+    short = np.abs(pieces.start[closing] - pieces.start[opener]).max(axis=1) <= 1.5 * unit
+    dropped = meets & ~short & (code[closing] == LINE)
     snapped = closing[meets & ~dropped]
     width = np.array(_NUMBERS_OF)[code[snapped]]
     begin = pieces.start[opener[meets & ~dropped]]

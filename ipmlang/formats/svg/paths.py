@@ -27,7 +27,8 @@ _NUMBERS = re.compile(NUMBER, re.ASCII)
 _SEPARATOR = rf"{_SPACE},?+{_SPACE}"
 _ARC = re.compile(
     _SPACE
-    + _SEPARATOR.join([rf"({NUMBER})"] * 3 + ["([01])"] * 2 + [rf"({NUMBER})"] * 2) + _SEPARATOR,
+    + _SEPARATOR.join([rf"({NUMBER})"] * 3 + ["([01])"] * 2 + [rf"({NUMBER})"] * 2)
+    + _SEPARATOR,
     re.ASCII,
 )
 _TAKES = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2}
@@ -257,9 +258,7 @@ def _cubics(pen: Pen, values: list[float], count: int, relative: bool, _: str) -
         pen.cubic(ox + x1, oy + y1, ox + x2, oy + y2, ox + x, oy + y)
 
 
-def _smooth_cubics(
-    pen: Pen, values: list[float], count: int, relative: bool, before: str
-) -> None:
+def _smooth_cubics(pen: Pen, values: list[float], count: int, relative: bool, before: str) -> None:
     follows = before in ("C", "S")
     for x2, y2, x, y in _steps(values, 4, count):
         ox, oy = (pen.x, pen.y) if relative else (0.0, 0.0)

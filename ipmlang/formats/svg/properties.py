@@ -8,25 +8,28 @@ from __future__ import annotations
 PAINTS = frozenset({"fill", "stroke"})
 COLORS = frozenset({"color", "stop-color", "flood-color", "lighting-color"})
 
-_FONT = frozenset(
+_FONT_NAMES = (
     "font font-family font-size font-size-adjust font-stretch font-style font-variant font-weight "
     "font-feature-settings font-kerning letter-spacing word-spacing line-height text-anchor "
     "writing-mode direction glyph-orientation-vertical glyph-orientation-horizontal white-space "
-    "dominant-baseline text-rendering text-orientation text-transform text-indent".split()
+    "dominant-baseline text-rendering text-orientation text-transform text-indent"
 )
-INHERITED = _FONT | frozenset(
+_FONT = frozenset(_FONT_NAMES.split())
+_PASSED_ON = (
     "fill fill-opacity fill-rule stroke stroke-dasharray stroke-dashoffset stroke-linecap "
     "stroke-linejoin stroke-miterlimit stroke-opacity stroke-width color visibility marker-start "
     "marker-mid marker-end clip-rule paint-order shape-rendering image-rendering color-rendering "
-    "color-interpolation color-interpolation-filters pointer-events cursor".split()
+    "color-interpolation color-interpolation-filters pointer-events cursor"
 )
-NOT_INHERITED = frozenset(
+INHERITED = _FONT | frozenset(_PASSED_ON.split())
+_KEPT = (
     "opacity display clip-path mask filter mix-blend-mode isolation overflow clip stop-color "
     "stop-opacity flood-color flood-opacity lighting-color vector-effect transform "
     "transform-origin transform-box text-decoration unicode-bidi alignment-baseline "
-    "baseline-shift mask-type background background-color".split()
+    "baseline-shift mask-type background background-color"
 )
-GEOMETRY = frozenset("x y cx cy r rx ry width height d".split())
+NOT_INHERITED = frozenset(_KEPT.split())
+GEOMETRY = frozenset({"x", "y", "cx", "cy", "r", "rx", "ry", "width", "height", "d"})
 """Attributes that style sheets may set as well."""
 
 PRESENTATION = INHERITED | (NOT_INHERITED - {"background", "background-color"})

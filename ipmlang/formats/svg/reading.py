@@ -33,9 +33,9 @@ _BATCH = 500_000
 def read_svg(source: Path | str | bytes, *, limits: Limits | None = None) -> Drawing:
     """All that a file draws, in the coordinates of its outermost viewBox.
 
-    `source` is a path or the bytes of a file (gzip is unpacked). Raises `FormatError`, with the line
-    where there is one, for what is not SVG or is past a limit; whatever else is wrong is skipped
-    and counted in the drawing's notes.
+    `source` is a path or the bytes of a file (gzip is unpacked). Raises `FormatError`, with the
+    line where there is one, for what is not SVG or is past a limit; whatever else is wrong is
+    skipped and counted in the drawing's notes.
 
     >>> drawing = read_svg(b'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9">'
     ...                    b'<g fill="red"><rect width="50%" height="2"/></g></svg>')

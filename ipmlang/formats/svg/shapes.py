@@ -1,4 +1,4 @@
-"""Basic shapes as outlines in their own space: rect, circle, ellipse, line, polyline, polygon, path.
+"""Basic shapes as outlines in their own space: paths, lines, polygons, rects, ellipses.
 
 Start points and directions are those of SVG's equivalent paths. A shape whose size is not above
 zero, or that has no points, is no outline; numbers that cannot be read are noted.
@@ -16,8 +16,8 @@ from ipmlang.formats.svg.properties import GEOMETRY
 from ipmlang.formats.svg.units import diagonal, length, numbers
 from ipmlang.formats.svg.xml import Node
 
-_ACROSS = frozenset("x cx rx x1 x2 width".split())
-_DOWN = frozenset("y cy ry y1 y2 height".split())
+_ACROSS = frozenset({"x", "cx", "rx", "x1", "x2", "width"})
+_DOWN = frozenset({"y", "cy", "ry", "y1", "y2", "height"})
 _FULL_TURN = 4
 
 
@@ -58,7 +58,7 @@ class Measures:
             whole = diagonal(self._viewport)
         value = length(text, whole, self._font_size)
         if value is None and text.strip():
-            message = f"{name}=\"{text[:40]}\" is no length"
+            message = f'{name}="{text[:40]}" is no length'
             self._notes.add("bad-number", message, self._node.line)
         return value
 
@@ -77,7 +77,7 @@ def _path(node: Node, measures: Measures, notes: Notes) -> Outline | None:
         text = text[5:].rstrip(") ").strip("\"' ")
     data = parse_path("" if text.strip() == "none" else text)
     if not data.whole:
-        notes.add("path-data", "path data is wrong; what stands before the error is kept", node.line)
+        notes.add("path-data", "path data is wrong: kept up to the error", node.line)
     return data.outline
 
 
@@ -102,7 +102,7 @@ def _polygon(node: Node, _: Measures, notes: Notes) -> Outline | None:
 def _through_points(node: Node, notes: Notes) -> Pen:
     values, whole = numbers(node.attributes.get("points") or "")
     if not whole or len(values) % 2:
-        notes.add("points", "a list of points is wrong; what stands before the error is kept", node.line)
+        notes.add("points", "a list of points is wrong: kept up to the error", node.line)
     pen = Pen()
     for i in range(0, len(values) - 1, 2):
         (pen.line if i else pen.move)(values[i], values[i + 1])
@@ -167,7 +167,7 @@ def _corner_radii(measures: Measures, width: float, height: float) -> tuple[floa
 def _round_rect(
     pen: Pen, x: float, y: float, width: float, height: float, rx: float, ry: float
 ) -> None:
-    """Clockwise on the page from the end of the upper left corner, sides of length zero left out."""
+    """Clockwise on the page from the end of the upper left corner; no sides of length zero."""
     right, bottom = x + width, y + height
     corners = (
         (x + rx, y, right - rx, y, right - rx, y + ry),

@@ -1,7 +1,7 @@
 """Tables of a parts file: rows of named columns inside the metadata of an SVG.
 
 `table_xml` writes one, `read_table` reads it back: cells parted by blanks, a row a line, strings as
-JSON. Cells stay text here; what they mean is the caller's.
+JSON, the rest numbers. What the columns mean is the caller's.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import json
 import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import NamedTuple, TypeAlias
 from xml.sax.saxutils import escape, quoteattr
 
 from ipmlang.formats import FormatError
@@ -18,11 +19,19 @@ from ipmlang.formats.svg.xml import Node, read_document
 
 NAMESPACE = "https://ipmlang.org/ns"
 _TABLE = f"{{{NAMESPACE}}}table"
-_CELL = re.compile(r'"(?:[^"\\]++|\\.)*+"|[^\s"]++')
-_BLANK = re.compile(r"\s*+")
+_CELL = re.compile(r'"(?:[^"\\]++|\\.)*+"|[^\s"]++|"')
+
+Cell: TypeAlias = float | str
 
 
-def table_xml(name: str, columns: Sequence[str], rows: Iterable[Sequence[str | float]]) -> str:
+class Table(NamedTuple):
+    """Rows of cells, each as long as `columns`, the names of the columns."""
+
+    columns: tuple[str, ...]
+    rows: list[tuple[Cell, ...]]
+
+
+def table_xml(name: str, columns: Sequence[str], rows: Iterable[Sequence[Cell]]) -> str:
     """A `<table>` for the `<metadata>` of a parts file; numbers are written so that they read back
     as the same float.
 
@@ -38,17 +47,17 @@ def table_xml(name: str, columns: Sequence[str], rows: Iterable[Sequence[str | f
     return f"{head}\n{escape(lines)}</table>"
 
 
-def _cell(value: str | float) -> str:
+def _cell(value: Cell) -> str:
     if isinstance(value, str):
         return json.dumps(value)
     return repr(int(value)) if value == int(value) and abs(value) < 1e15 else repr(float(value))
 
 
-def read_table(path: Path | str, name: str) -> tuple[list[str], list[list[str]]]:
-    """The columns and the rows of the table with this id; strings come without their quotes.
+def read_table(path: Path | str, name: str) -> Table:
+    """The table with this id: numbers as floats, what is quoted as text.
 
-    Raises `FormatError` if the file cannot be read, has no such table, or a row has more or fewer
-    cells than there are columns.
+    Raises `FormatError`, with the line, if the file cannot be read, has no such table, or a row has
+    more or fewer cells than there are columns or a cell that is neither number nor text.
     """
     document = read_document(path, Limits(), Notes())
     node = next(
@@ -56,38 +65,26 @@ def read_table(path: Path | str, name: str) -> tuple[list[str], list[list[str]]]
     )
     if node is None:
         raise FormatError(f"{path} has no table `{name}`")
-    columns = (node.get("columns") or "").split()
-    return columns, _rows(node, len(columns), name)
+    columns = tuple((node.get("columns") or "").split())
+    return Table(columns, _rows(node, len(columns), name))
 
 
-def _rows(node: Node, width: int, name: str) -> list[list[str]]:
-    rows: list[list[str]] = []
+def _rows(node: Node, width: int, name: str) -> list[tuple[Cell, ...]]:
+    rows: list[tuple[Cell, ...]] = []
     for offset, line in enumerate(node.text.split("\n")):
-        cells = _cells(line)
-        if cells is None or (cells and len(cells) != width):
-            found = "a broken cell" if cells is None else f"{len(cells)} cells"
-            place = None if node.line is None else node.line + offset
-            raise FormatError(f"table `{name}`: a row has {found}, not {width} cells", place)
-        if cells:
-            rows.append(cells)
+        words = _CELL.findall(line) if '"' in line else line.split()
+        if not words:
+            continue
+        place = None if node.line is None else node.line + offset
+        if len(words) != width:
+            raise FormatError(f"table `{name}`: a row has {len(words)} cells, not {width}", place)
+        try:
+            rows.append(tuple(map(_read_cell, words)))
+        except ValueError:
+            message = f"table `{name}`: a cell is neither a number nor a quoted text"
+            raise FormatError(message, place) from None
     return rows
 
 
-def _cells(line: str) -> list[str] | None:
-    """The cells of a row; None if one of them is broken."""
-    words = _CELL.findall(line)
-    if len("".join(words)) != len(_unquoted_blanks(line)):
-        return None
-    try:
-        return [str(json.loads(word)) if word[0] == '"' else word for word in words]
-    except ValueError:
-        return None
-
-
-def _unquoted_blanks(line: str) -> str:
-    """The line without the blanks between its cells."""
-    parts, end = [], 0
-    for match in _CELL.finditer(line):
-        parts += [_BLANK.sub("", line[end : match.start()]), match[0]]
-        end = match.end()
-    return "".join(parts) + _BLANK.sub("", line[end:])
+def _read_cell(word: str) -> Cell:
+    return str(json.loads(word)) if word[0] == '"' else float(word)

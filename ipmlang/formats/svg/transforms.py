@@ -1,7 +1,7 @@
 """Transform lists as text in, one affine matrix out; both the SVG attribute and the CSS property.
 
-A matrix is (a, b, c, d, e, f): x' = a x + c y + e, y' = b x + d y + f. A list that cannot be read is
-None, as SVG ignores it whole.
+A matrix is (a, b, c, d, e, f): x' = a x + c y + e, y' = b x + d y + f. A list that cannot be read
+is None, as SVG ignores it whole.
 """
 
 from __future__ import annotations
@@ -189,7 +189,7 @@ def about(m: Matrix, x: float, y: float) -> Matrix:
 
 
 def parse_origin(text: str, box: Box) -> tuple[float, float] | None:
-    """The point of a `transform-origin`; lengths count from the corner of `box`, percentages of it."""
+    """The point of a `transform-origin`, counted from the corner of `box`."""
     words = text.split()
     if not words or len(words) > 3:
         return None

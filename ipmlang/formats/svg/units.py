@@ -1,7 +1,7 @@
 """Numbers and lengths of SVG and CSS as text in, floats in user units (pixels) out.
 
-What cannot be read, or is not finite, is None: the caller decides what stands in for it. Percentages
-need the length they are a part of, `em` and `ex` a font size.
+What cannot be read, or is not finite, is None: the caller decides what stands in for it.
+Percentages need the length they are a part of, `em` and `ex` a font size.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ def diagonal(viewport: tuple[float, float]) -> float:
 
 
 def numbers(text: str) -> tuple[list[float], bool]:
-    """Numbers parted by blanks or commas up to the first thing that is none, and whether that was all.
+    """Numbers parted by blanks or commas up to what is none, and whether that was all.
 
     >>> numbers("1,2 3-4 x 5")
     ([1.0, 2.0, 3.0, -4.0], False)

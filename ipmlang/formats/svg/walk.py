@@ -188,7 +188,9 @@ class Walk:
         measures = self._measures(node, context)
         inner = self.inside(node, context)
         shift = measures["x"], measures["y"]
-        matrix = context.matrix if shift == (0.0, 0.0) else multiply(context.matrix, translate(*shift))
+        matrix = (
+            context.matrix if shift == (0.0, 0.0) else multiply(context.matrix, translate(*shift))
+        )
         request = None
         if target.name in ("svg", "symbol"):
             request = (measures.maybe("width"), measures.maybe("height"))
@@ -305,7 +307,7 @@ class Walk:
         return None
 
     def _is_seen(self, node: Node, style: Computed) -> bool:
-        """Whether something in a fragment may show: text that is not empty, an image with a source."""
+        """Whether something may show: text that is not empty, an image with a source."""
         if node.name == "image":
             return bool(node.href) and style.get("visibility") == "visible"
         if node.name == "foreignObject":
@@ -326,5 +328,3 @@ def _names(node: Node) -> tuple[str, ...]:
     if name is None and classes is None:
         return ()
     return tuple(word for word in (name, *(classes or "").split()) if word)
-
-

@@ -10,7 +10,7 @@ import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from ipmlang.formats import FormatError
 from ipmlang.formats.svg.limits import Limits, Notes
@@ -28,7 +28,8 @@ _LONG_TEXT = 9_000_000
 
 class Node:
     """One element. `name` is its local name in SVG's namespace and "" in any other; `tag` is the
-    full name as `{namespace}local`. Iterates over its children, as style matching expects."""
+    full name as `{namespace}local`. Iterates over its children, as style matching expects.
+    """
 
     __slots__ = ("attributes", "children", "line", "name", "parent", "tag", "tail", "text")
 
@@ -94,7 +95,7 @@ def read_document(source: Path | str | bytes, limits: Limits, notes: Notes) -> D
         raise FormatError(
             f"the outermost element is <{root.tag.rpartition('}')[2]}>, not <svg>",
             root.line,
-            "an SVG file begins with <svg xmlns=\"http://www.w3.org/2000/svg\">",
+            'an SVG file begins with <svg xmlns="http://www.w3.org/2000/svg">',
         )
     by_id: dict[str, Node] = {}
     for node in nodes:
@@ -147,7 +148,8 @@ def _parse(data: bytes) -> etree._Element:
     try:
         return etree.fromstring(data, parser)
     except etree.XMLSyntaxError as error:
-        raise FormatError(*_xml_trouble(error)) from None
+        message, line, hint = _xml_trouble(error)
+        raise FormatError(message, line, hint) from None
     except ValueError as error:
         raise FormatError(f"the file is not XML: {error}", 1) from None
 
@@ -171,17 +173,18 @@ def _light_tree(
     pending: list[tuple[etree._Element, Node | None, int]] = [(root_element, None, 1)]
     while pending:
         element, parent, depth = pending.pop()
-        tag = element.tag
+        line = cast("int | None", element.sourceline)
+        tag: object = element.tag  # Entities have a function for a tag.
         if not isinstance(tag, str):
-            notes.add("entity", "an entity was left out", element.sourceline)
+            notes.add("entity", "an entity was left out", line)
             _append_text(parent, element.tail or "")
             continue
         if depth > limits.depth:
             raise FormatError(
-                f"elements are nested more than {limits.depth} deep", element.sourceline
+                f"elements are nested more than {limits.depth} deep", line
             )
         # Attribute keys and values are str: lxml is given bytes and gives back text.
-        node = Node(tag, dict(element.attrib), parent, element.sourceline)  # type: ignore[arg-type]
+        node = Node(tag, dict(element.attrib), parent, line)  # type: ignore[arg-type]
         node.text = element.text or ""
         node.tail = element.tail or ""
         if parent is not None:

@@ -73,7 +73,7 @@ def _arcs_only(curves: Curves, tolerance: float) -> Booleans:
     first = np.zeros(len(curves.counts), np.bool_)
     drawn = curves.counts > 0
     first[drawn] = arc[curves.offsets[:-1][drawn]]
-    return (_sums((~arc & ~spare).astype(np.float64), curves) == 0) & first
+    return np.asarray((_sums((~arc & ~spare).astype(np.float64), curves) == 0) & first)
 
 
 def _axes(curves: Curves) -> tuple[Floats, Floats, Floats]:
@@ -117,4 +117,4 @@ def _traced(curves: Curves, major: Floats, minor: Floats, tilt: Floats) -> tuple
 def _sums(values: Floats, curves: Curves) -> Floats:
     """(n,) sums over the segments of each element."""
     running = np.concatenate([[0.0], np.cumsum(values)])
-    return running[curves.offsets[1:]] - running[curves.offsets[:-1]]
+    return np.asarray(running[curves.offsets[1:]] - running[curves.offsets[:-1]])

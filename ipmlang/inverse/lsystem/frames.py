@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 Floats: TypeAlias = NDArray[np.float64]
 Complexes: TypeAlias = NDArray[np.complex128]
-Index: TypeAlias = int | slice | tuple[object, ...] | NDArray[np.integer] | NDArray[np.bool_] | None
+Rows: TypeAlias = NDArray[np.integer] | NDArray[np.bool_]
+Index: TypeAlias = int | slice | Rows | tuple[int | slice | Rows | None, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,11 +36,11 @@ class Frames:
 
     def __getitem__(self, rows: Index) -> Frames:
         return Frames(
-            self.x[rows],
-            self.y[rows],
-            self.angle[rows],
-            self.scale[rows],
-            self.handedness[rows],
+            np.asarray(self.x[rows]),
+            np.asarray(self.y[rows]),
+            np.asarray(self.angle[rows]),
+            np.asarray(self.scale[rows]),
+            np.asarray(self.handedness[rows]),
         )
 
     @property
@@ -119,7 +120,7 @@ def apply(given: Frames, points: Complexes | complex) -> Complexes:
 
 def mirrored(points: Complexes | complex, handedness: NDArray[np.int8]) -> Complexes:
     """Points with local x flipped where the handedness is -1."""
-    return points.real * handedness + 1j * points.imag
+    return np.asarray(points.real * handedness + 1j * points.imag, np.complex128)
 
 
 def unit(angle: Floats) -> Complexes:

@@ -7,12 +7,11 @@ string that is rewritten: symbols with world frames, in paint order. Nothing her
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ipmlang.formats.drawing import Style
 from ipmlang.inverse.lsystem.frames import (
     Floats,
     Frames,
@@ -24,11 +23,8 @@ from ipmlang.inverse.lsystem.frames import (
 )
 from ipmlang.inverse.lsystem.patterns import Pattern
 from ipmlang.inverse.lsystem.symmetry import Symmetry
-from ipmlang.inverse.observation import Observation
 
 Integers = NDArray[np.int64]
-
-SHARE = 3e-7  # of the diagonal: how far an expansion may be from what was observed
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -238,33 +234,3 @@ def _distance(terminal: Definition, made: Frames, given: Frames) -> Floats:
         gap = gap + terminal.radius * np.abs(made.factor - other.factor)
         best = np.minimum(best, np.where(made.handedness == other.handedness, gap, np.inf))
     return best
-
-
-def arrange(observed: Observation) -> tuple[Alphabet, Arrangement, Seen, list[tuple[int, int]]]:
-    """The alphabet of terminals and the string of all elements.
-
-    A terminal is a shape class with a style, whatever the effects around it; the last result lists
-    (class, style number) of each, a style number standing for all that differ in effects alone.
-    """
-    alphabet = Alphabet(SHARE * observed.diagonal)
-    plain = _plain_styles(observed)
-    known: dict[tuple[int, int], int] = {}
-    terminals = np.empty(len(observed), np.int64)
-    pairs = zip(observed.shape.tolist(), plain[observed.style].tolist(), strict=True)
-    for row, key in enumerate(pairs):
-        if key not in known:
-            shape = observed.classes[key[0]]
-            known[key] = alphabet.add_terminal(shape.symmetry, shape.radius)
-        terminals[row] = known[key]
-    wraps: dict[tuple[str, ...], int] = {}
-    numbers = [wraps.setdefault(style.effects, len(wraps)) for style in observed.styles]
-    wrap = np.array(numbers, np.int64)[observed.style]
-    string = Arrangement(terminals, observed.frames, np.arange(len(observed)), wrap)
-    return alphabet, string, Seen(terminals, observed.frames), list(known)
-
-
-def _plain_styles(observed: Observation) -> Integers:
-    """For each style the first that looks the same without effects."""
-    first: dict[Style, int] = {}
-    plain = [replace(style, effects=()) for style in observed.styles]
-    return np.array([first.setdefault(style, k) for k, style in enumerate(plain)], np.int64)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipmlang.inverse.lsystem.frames import Frames, compose, frames, identity
+from ipmlang.inverse.lsystem.frames import Floats, Frames, compose, frames, identity
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,7 +45,7 @@ def dihedral(order: int, axis: float | None) -> Symmetry:
     [0.0, 90.0, 180.0, -90.0, 180.0, -90.0, 0.0, 90.0]
     """
     count = max(order, 1)
-    steps = np.arange(count) * (360.0 / count)
+    steps: Floats = np.arange(count, dtype=np.float64) * (360.0 / count)
     if axis is None:
         return Symmetry(order, None, frames(np.zeros(count, complex), steps))
     angles = np.concatenate([steps, steps + 2 * axis + 180.0])

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.formats.drawing import Style
-from ipmlang.runtime.pens import penned
+from ipmlang.runtime.export.pens import penned
 from ipmlang.runtime.scene import AssetRef, Scene
 
 Effects = Callable[[AssetRef | None], tuple[str, ...]]

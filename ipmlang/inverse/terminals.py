@@ -1,0 +1,163 @@
+"""Terminals by inverse instancing (section 4.2 of the paper): one symbol for each shape and style.
+
+Takes an observation; gives the alphabet with its terminals, the string of all elements, and what
+each terminal's asset shows. Text and pictures stand at their own origin, gradients and slanted pens
+are expressed in the frame of what they paint. Nothing here looks for patterns.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ipmlang.formats.drawing import (
+    Drawing,
+    DrawnElement,
+    Effect,
+    Fragment,
+    Outline,
+    PaintServer,
+    Style,
+)
+from ipmlang.formats.svg.transforms import Matrix, inverse, multiply, translate
+from ipmlang.inverse.lsystem.curves import flipped, moved
+from ipmlang.inverse.lsystem.frames import Frames, identity
+from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Seen
+from ipmlang.inverse.lsystem.symmetry import trivial
+from ipmlang.inverse.observation import Observation, ShapeClass
+from ipmlang.runtime.drawn_assets import depends_on_frame, moved_style
+
+SHARE = 3e-7  # of the diagonal: how far an expansion may be from what was observed
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Terminal:
+    """What an asset shows: a shape class in a style, or a fragment about its own origin (y down).
+    row: the first element drawn by it."""
+
+    row: int
+    shape: ShapeClass
+    style: Style
+    fragment: Fragment | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Instanced:
+    """An observation as a string of terminals. effects: the stack of effects of each wrap number."""
+
+    alphabet: Alphabet
+    string: Arrangement
+    seen: Seen
+    terminals: tuple[Terminal, ...]
+    effects: tuple[tuple[str, ...], ...]
+
+
+def instance(observed: Observation) -> Instanced:
+    """The alphabet of terminals and the string of all elements in paint order."""
+    alphabet = Alphabet(SHARE * observed.diagonal)
+    plain = [replace(style, effects=()) for style in observed.styles]
+    placed = _with_fragments(observed)
+    known: dict[Hashable, int] = {}
+    terminals: list[Terminal] = []
+    numbers = np.empty(len(observed), np.int64)
+    for row, (shape, style) in enumerate(
+        zip(observed.shape.tolist(), observed.style.tolist(), strict=True)
+    ):
+        key, made = _terminal(observed, row, shape, plain[style], placed)
+        if key not in known:
+            bound = made.fragment is not None or depends_on_frame(made.style)
+            symmetry = trivial() if bound else made.shape.symmetry
+            known[key] = alphabet.add_terminal(symmetry, made.shape.radius)
+            terminals.append(made)
+        numbers[row] = known[key]
+    wraps: dict[tuple[str, ...], int] = {}
+    of_style = [wraps.setdefault(style.effects, len(wraps)) for style in observed.styles]
+    wrap = np.array(of_style, np.int64)[observed.style]
+    string = Arrangement(numbers, placed, np.arange(len(observed)), wrap)
+    return Instanced(alphabet, string, Seen(numbers, placed), tuple(terminals), tuple(wraps))
+
+
+def _with_fragments(observed: Observation) -> Frames:
+    """The frames of all elements; a fragment's is where its own origin lies."""
+    x, y = observed.frames.x.copy(), observed.frames.y.copy()
+    for shape in observed.classes:
+        if shape.fragment is not None:
+            x[shape.members] = shape.fragment.matrix[4]
+            y[shape.members] = observed.flip - shape.fragment.matrix[5]
+    given = observed.frames
+    return Frames(x, y, given.angle, given.scale, given.handedness)
+
+
+def _terminal(
+    observed: Observation, row: int, shape: int, style: Style, placed: Frames
+) -> tuple[Hashable, Terminal]:
+    """The terminal that draws an element, and what makes it equal to others."""
+    known = observed.classes[shape]
+    if known.fragment is not None:
+        linear = known.fragment.matrix[:4]
+        fragment = replace(known.fragment, matrix=(*linear, 0.0, 0.0))
+        return (fragment.kind, fragment.xml, linear), Terminal(row, known, style, fragment)
+    if depends_on_frame(style):
+        back = inverse(drawn_matrix(placed[row : row + 1], observed.flip))
+        style = _rounded(moved_style(style, back)) if back is not None else style
+    return (shape, style), Terminal(row, known, style, None)
+
+
+def drawn_matrix(placed: Frames, flip: float) -> Matrix:
+    """The map of y-down coordinates that a frame makes: from an asset's to a drawing's."""
+    factor, hand = complex(placed.factor[0]), float(placed.handedness[0])
+    return (
+        factor.real * hand,
+        -factor.imag * hand,
+        factor.imag,
+        factor.real,
+        float(placed.x[0]),
+        flip - float(placed.y[0]),
+    )
+
+
+def _rounded(style: Style) -> Style:
+    """Matrices rounded to twelve digits, so that equal ones are equal."""
+
+    def paint(given: str | PaintServer) -> str | PaintServer:
+        if isinstance(given, str):
+            return given
+        a, b, c, d, e, f = (_digits(value, given.matrix) for value in given.matrix)
+        return replace(given, matrix=(a, b, c, d, e, f))
+
+    pen = style.stroke_matrix
+    if pen is not None:
+        a, b, c, d = (_digits(value, pen) for value in pen)
+        pen = (a, b, c, d)
+    return replace(
+        style, fill=paint(style.fill), stroke=paint(style.stroke), stroke_matrix=pen
+    )
+
+
+def _digits(value: float, beside: tuple[float, ...]) -> float:
+    size = max(abs(each) for each in beside) or 1.0
+    return round(value, 11 - int(np.floor(np.log10(size)))) + 0.0
+
+
+def asset_element(terminal: Terminal, place: Frames | None) -> DrawnElement:
+    """A terminal as its parts file holds it, y down; place: where it lies about the asset's origin."""
+    place = identity(1) if place is None else place
+    if terminal.fragment is not None:
+        matrix = multiply(drawn_matrix(place, 0.0), terminal.fragment.matrix)
+        return DrawnElement(None, Style(), replace(terminal.fragment, matrix=matrix))
+    assert terminal.shape.outline is not None
+    outline = moved(terminal.shape.outline, place)
+    points = flipped(outline.kind, outline.coords[..., 0] + 1j * outline.coords[..., 1], 0.0)
+    coords = np.stack([points.real, points.imag], axis=-1)
+    drawn = Outline(outline.kind, coords, outline.starts, outline.closed)
+    return DrawnElement(drawn, moved_style(terminal.style, drawn_matrix(place, 0.0)))
+
+
+def effect_stack(drawing: Drawing, names: tuple[str, ...], flip: float) -> tuple[Effect, ...]:
+    """Effects as a parts file holds them, whose coordinates the canvas does not flip."""
+    lift = translate(0.0, -flip)
+    found = (drawing.effects[name] for name in names)
+    return tuple(replace(each, matrix=multiply(lift, each.matrix)) for each in found)
+

@@ -1,0 +1,460 @@
+"""Python source for a production's body: one function for batches, one for single shapes.
+
+In go a production and the state's fields, out comes a function that computes values, carries the
+state through the body and hands every child and every drawing to the run that calls it. Symbols
+without productions are written out in place. Repeats become one batch of copies, whose frames are
+found by a scan. Nothing is derived here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.compiler import ir
+from ipmlang.runtime import bend, keys, scan
+from ipmlang.runtime.algebra import Operand, Source, cosine_and_sine
+from ipmlang.runtime.code import INFIX, Column, Names, expression, namespace, source
+from ipmlang.runtime.fields import IDENTITY
+from ipmlang.runtime.scene import SCOPE, SEGMENT
+
+State = dict[str, Operand]
+
+
+class Unscannable(Exception):
+    """Copies follow each other by something that no scan can cut: levelling."""
+
+
+OWN = -1  # the site of what is drawn under the shape's own key
+
+
+@dataclass(frozen=True, slots=True)
+class Scope:
+    """The names of one batch: its row count, keys, parameters, the numbers of copies around it, the
+    registers, and the rows that draw (None: all)."""
+
+    count: str
+    k0: str
+    k1: str
+    params: tuple[Operand, ...]
+    registers: dict[int, Operand]
+    copies: tuple[tuple[int, str], ...] = ()
+    shown: str | None = None
+
+    @property
+    def numbers(self) -> str:
+        """The copies' numbers, as arguments."""
+        return "".join(f", {name}" for _, name in self.copies)
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """What all bodies of a run share: the program, its fields and the values of its attributes."""
+
+    program: ir.Program
+    fields: tuple[str, ...]
+    attrs: tuple[float, ...]
+
+
+class Writer:
+    """One function under construction. `quiet`: only the state matters, nothing is made."""
+
+    def __init__(self, setting: Setting, single: bool, tail: ir.Instruction | None = None) -> None:
+        self._setting = setting
+        self._single = single
+        self._tail = tail
+        self._quiet = False
+        self.source = Source()
+        self.slots: list[str] = []
+        self.ended: State | None = None
+
+    # ------------------------------------------------------------------------ elements
+
+    def body(
+        self, elements: Sequence[ir.Instruction], scope: Scope, state: State
+    ) -> State:
+        """Write the elements of a body; the state after them."""
+        saved: list[State] = []
+        passed = -1
+        for number, each in enumerate(elements):
+            if number <= passed:
+                continue
+            if each.op == "open":
+                saved.append(dict(state))
+                if self._quiet:  # what a bracket restores need not be walked
+                    passed = self._bracket_end(elements, number)
+            elif each.op == "close":
+                state = saved.pop()
+            elif each.op == "repeat":
+                state = self._repeat(each, scope, state)
+            elif each is self._tail:
+                self.ended = dict(state)
+            elif each.op == "module":
+                state = self._module(each, scope, state)
+            elif each.out not in scope.registers:
+                scope.registers[each.out] = self._value(each, scope, scope.registers)
+        return state
+
+    def _bracket_end(self, elements: Sequence[ir.Instruction], begin: int) -> int:
+        """The last element to pass over in a bracket: none where it holds the tail of a chain."""
+        depth = 0
+        for number in range(begin, len(elements)):
+            each = elements[number]
+            if each is self._tail:
+                return begin
+            depth += (each.op == "open") - (each.op == "close")
+            if depth == 0:
+                return number - 1
+        return begin
+
+    def act(
+        self,
+        meaning: Sequence[ir.Instruction],
+        scope: Scope,
+        args: tuple[Operand, ...],
+        symbol: int,
+        site: int,
+        state: State,
+    ) -> State:
+        """Write what a module of a symbol without productions does."""
+        inner = replace(scope, params=args, registers={})
+        for each in meaning:
+            if each.op in ir.VALUE_OPS:
+                inner.registers[each.out] = self._value(each, inner, inner.registers)
+                continue
+            given = [inner.registers[arg] for arg in each.args]
+            if each.op in ("segment", "emit"):
+                self._draw(each, scope, given, symbol, site, state)
+            state = self._state(each, given, state)
+        return state
+
+    def _module(self, each: ir.Instruction, scope: Scope, state: State) -> State:
+        assert isinstance(each.const, int)
+        symbol = self._setting.program.symbols[each.const]
+        args = tuple(scope.registers[register] for register in each.args)
+        if not (symbol.productions or symbol.interpretation):
+            return self.act(symbol.meaning or (), scope, args, each.const, each.site, state)
+        if not self._quiet:
+            self._make(each.const, scope, args, each.site, state)
+        return state
+
+    def _value(
+        self, each: ir.Instruction, scope: Scope, registers: Mapping[int, Operand]
+    ) -> Operand:
+        names = Names(
+            lambda i: scope.params[i],  # type: ignore[arg-type,return-value]
+            lambda i: self._setting.attrs[i],
+            lambda i: dict(scope.copies)[i],
+            f"{scope.k0}, {scope.k1}",
+            scope.numbers,
+        )
+        args = [registers[arg] for arg in each.args]
+        if each.op == "call" and each.const in INFIX:
+            return self._arithmetic(str(each.const), args[0], args[1])
+        found = expression(each, args, names)
+        return self.source.let(found) if isinstance(found, str) and each.op != "param" else found
+
+    def _arithmetic(self, name: str, a: Operand, b: Operand) -> Operand:
+        if isinstance(a, float) and isinstance(b, float):
+            return {"add": a + b, "sub": a - b, "mul": a * b}[name]
+        return self.source.let(f"{source(a)} {INFIX[name]} {source(b)}")
+
+    # --------------------------------------------------------------------------- state
+
+    def _state(self, each: ir.Instruction, args: list[Operand], state: State) -> State:
+        match each.op:
+            case "move":
+                return self._moved(state, args[0], args[1], args[2])
+            case "segment":
+                return self._moved(state, args[0], 0.0, 0.0)
+            case "rotate":
+                return self._rotated(state, str(each.const), args[0])
+            case "orient":
+                return self._oriented(state, args)
+            case "scale":
+                factor = args[0]
+                if not isinstance(factor, float) or factor <= 0:
+                    self.source.lines.append(f"run.factor({source(factor)})")
+                return {**state, "scale": self.source.multiply(state["scale"], factor)}
+            case "mirror":
+                return {**state, "scale": self.source.minus(state["scale"])}
+            case "level":
+                return self._levelled(state)
+            case "pen":
+                return self._penned(each, args, state)
+            case "layer":
+                return {**state, "layer": self.source.add(state["layer"], args[0])}
+            case _:
+                return state
+
+    def _hand(self, state: State) -> Operand:
+        scale = state.get("scale", 1.0)
+        if isinstance(scale, float):
+            return 1.0 if scale > 0 else -1.0
+        mirrors = any(
+            each.op == "mirror"
+            for symbol in self._setting.program.symbols
+            for each in symbol.meaning or ()
+        )
+        return self.source.let(f"copysign(1.0, {scale})") if mirrors else 1.0
+
+    def _moved(self, state: State, x: Operand, y: Operand, z: Operand) -> State:
+        write = self.source
+        scale = state.get("scale", 1.0)
+        size = write.multiply(scale, self._hand(state))
+        x, y, z = write.multiply(x, scale), write.multiply(y, size), write.multiply(z, size)
+        if "angle" in state:
+            cosine, sine = write.unit(state["angle"])
+            across = write.multiply(y, sine)
+            moved = (
+                write.subtract(write.multiply(x, cosine), across),
+                write.sum((x, sine), (y, cosine)),
+            )
+        else:
+            rotation = (state["w"], state["i"], state["j"], state["k"])
+            moved = write.turned(rotation, (x, y, z))
+        changed = {
+            axis: write.add(state[axis], step)
+            for axis, step in zip("xyz"[: len(moved)], moved, strict=True)
+        }
+        return {**state, **changed}
+
+    def _rotated(self, state: State, axis: str, degrees: Operand) -> State:
+        hand = self._hand(state)
+        if "angle" in state:
+            turn = self.source.multiply(degrees, hand)
+            return {**state, "angle": self.source.add(state["angle"], turn)}
+        return self._turned(state, self.source.quaternion(axis, degrees, hand))
+
+    def _turned(self, state: State, turn: tuple[Operand, Operand, Operand, Operand]) -> State:
+        rotation = (state["w"], state["i"], state["j"], state["k"])
+        return {**state, **dict(zip("wijk", self.source.product(rotation, turn), strict=True))}
+
+    def _oriented(self, state: State, args: list[Operand]) -> State:
+        hand = self._hand(state)
+        found = self.source.let(f"normal({', '.join(source(arg) for arg in args)})")
+        w, x, y, z = (self.source.let(f"{found}[{axis}]") for axis in range(4))
+        turn = (w, x, self.source.multiply(y, hand), self.source.multiply(z, hand))
+        return self._turned(state, turn)
+
+    def _levelled(self, state: State) -> State:
+        if "angle" in state:
+            return state
+        if self._quiet:
+            raise Unscannable
+        names = ", ".join(source(state[axis]) for axis in "wijk")
+        found = self.source.let(f"level({names}, {source(self._hand(state))})")
+        own = {axis: self.source.let(f"{found}[{n}]") for n, axis in enumerate("wijk")}
+        return {**state, **own}
+
+    def _penned(self, each: ir.Instruction, args: list[Operand], state: State) -> State:
+        assert isinstance(each.const, tuple)
+        field, text = each.const
+        value = args[0] if args else float(self._setting.program.strings.index(str(text)))
+        changed = {**state, str(field): value}
+        if field == "color":  # a colour is for both
+            changed.update({name: -1.0 for name in ("fill", "stroke") if name in state})
+        return changed
+
+    # ---------------------------------------------------------------- what is handed over
+
+    def _values(self, operands: Iterable[Operand]) -> str:
+        return "(" + "".join(f"{source(each)}, " for each in operands) + ")"
+
+    def _draw(
+        self, each: ir.Instruction, scope: Scope, args: list[Operand], symbol: int, site: int,
+        state: State,
+    ) -> None:
+        if self._quiet:
+            return
+        asset, size = SEGMENT, (args[0], 0.0, 0.0) if each.op == "segment" else (0.0, 0.0, 0.0)
+        if each.op == "emit":
+            assert isinstance(each.const, int)
+            asset = each.const if each.const >= 0 else SCOPE
+            size = (args[0], args[1], args[2]) if len(args) == 3 else size
+        parts = (self._values(size), self._values(state.values()))
+        if self._single:
+            key = "k0, k1" if site == OWN else f"*child(k0, k1, {site})"
+            what = f"(rule, {symbol}, {asset}, *{parts[0]}, *{parts[1]}, {key})"
+            self.slots.append(self._held(f"~run.draw({what})"))
+        else:
+            where = f"{scope.k0}, {scope.k1}, {site}, ({scope.numbers[2:]}{',' * bool(scope.copies)})"
+            what = f"{scope.count}, rule, {symbol}, {asset}, {parts[0]}, {parts[1]}, {where}"
+            self.slots.append(self._held(f"run.draw({what}, {scope.shown})"))
+
+    def _make(
+        self, symbol: int, scope: Scope, args: tuple[Operand, ...], site: int, state: State
+    ) -> None:
+        columns = f"{self._values(args)}, {self._values(state.values())}"
+        if self._single:
+            made = f"run.make({symbol}, child(k0, k1, {site}), rule, {columns})"
+        else:
+            where = f"{scope.k0}, {scope.k1}, {site}, ({scope.numbers[2:]}{',' * bool(scope.copies)})"
+            made = f"run.make({scope.count}, {symbol}, rule, {columns}, {where}, {scope.shown})"
+        self.slots.append(self._held(made))
+
+    def _held(self, call: str) -> str:
+        name = self.source.name()
+        self.source.lines.append(f"{name} = {call}")
+        return name
+
+    # ------------------------------------------------------------------------- repeats
+
+    def chain(self, elements: Sequence[ir.Instruction], scope: Scope, state: State) -> None:
+        """Write a body whose tail makes the next row of a chain: scan first, then draw."""
+        start: State = {name: IDENTITY.get(name, 0.0) for name in state}
+        start.update({name: f"unset_{name}" for name in state if name not in (*FRAME, "layer")})
+        self._quiet = True
+        self.body(elements, scope, dict(start))
+        self._quiet = False
+        assert self.ended is not None
+        own, after = state, state
+        if self.ended != start:
+            own, after = self._walked(state, self.ended, start, state, "counts", "owner")
+        self.body(elements, scope, dict(own))
+        self.ended = after
+
+    def _repeat(self, each: ir.Instruction, scope: Scope, state: State) -> State:
+        write = self.source
+        counts = write.let(f"run.counts({source(scope.registers[each.args[0]])}, {scope.count})")
+        found = self._held(f"run.copies({counts})")
+        owner, index = write.let(f"{found}[0]"), write.let(f"{found}[1]")
+        inner = self._gathered(each, scope, owner, index)
+        own = {name: self._taken(value, owner) for name, value in state.items()}
+        start: State = {name: IDENTITY.get(name, 0.0) for name in state}
+        pens = [name for name in state if name not in FRAME]
+        start.update({name: f"unset_{name}" for name in pens if name != "layer"})
+        quiet, self._quiet = self._quiet, True
+        step = self.body(each.body, inner, dict(start))
+        self._quiet = quiet
+        after = state
+        if step != start:
+            own, after = self._walked(state, step, start, own, counts, owner)
+        if not quiet:
+            outer, self.slots = self.slots, []
+            self.body(each.body, inner, own)
+            slots, self.slots = self._values(self.slots), outer
+            self.slots.append(f"Copies({counts}, {owner}, {slots})")
+        return after
+
+    def _walked(
+        self, state: State, step: State, start: State, own: State, counts: str, owner: str
+    ) -> tuple[State, State]:
+        """The state that each copy finds, and the one after the last copy."""
+        write = self.source
+        count = f"len({owner})"
+        after = dict(state)
+        own = dict(own)
+        frame = [name for name in state if name in FRAME]
+        if any(step[name] != start[name] for name in frame):
+            parts = f"{self._mapping(state, frame)}, {self._mapping(step, frame)}"
+            found = self._held(f"run.walk({counts}, {count}, {parts})")
+            for name in frame:
+                own[name] = write.let(f"{found}[0]['{name}']")
+                after[name] = write.let(f"{found}[1]['{name}']")
+        for name in state:
+            if name not in FRAME and step[name] != start[name]:
+                kind = "total" if name == "layer" else "last"
+                parts = f"{source(state[name])}, {source(step[name])}"
+                found = self._held(f"run.{kind}({counts}, {count}, {parts})")
+                own[name], after[name] = write.let(f"{found}[0]"), write.let(f"{found}[1]")
+        return own, after
+
+    def _mapping(self, state: State, names: Sequence[str]) -> str:
+        return "{" + ", ".join(f"'{name}': {source(state[name])}" for name in names) + "}"
+
+    def _gathered(self, each: ir.Instruction, scope: Scope, owner: str, index: str) -> Scope:
+        assert isinstance(each.const, int)
+        used = set(_read(each.body))
+        copies = tuple((number, self.source.let(f"{name}[{owner}]")) for number, name in scope.copies)
+        shown = None
+        for register in each.args[1:]:
+            hole = self._taken(scope.registers[register], owner)
+            clear = self.source.let(f"({source(hole)} != {index})")
+            shown = clear if shown is None else self.source.let(f"{shown} & {clear}")
+        if scope.shown is not None:
+            outer = self.source.let(f"run.mask({scope.shown}, {scope.count})[{owner}]")
+            shown = outer if shown is None else self.source.let(f"{shown} & {outer}")
+        rows = None if shown is None else self.source.let(f"flatnonzero({shown})")
+        return Scope(
+            self.source.let(f"len({owner})"),
+            self.source.let(f"{scope.k0}[{owner}]"),
+            self.source.let(f"{scope.k1}[{owner}]"),
+            tuple(self._taken(value, owner) for value in scope.params),
+            {number: self._taken(value, owner) for number, value in scope.registers.items()
+             if number in used},
+            (*copies, (each.const, index)),
+            rows,
+        )
+
+    def _taken(self, value: Operand, owner: str) -> Operand:
+        return value if isinstance(value, float) else self.source.let(f"take({value}, {owner})")
+
+
+FRAME = frozenset({"x", "y", "z", "angle", "w", "i", "j", "k", "scale"})
+
+
+def _read(body: Iterable[ir.Instruction]) -> Iterable[int]:
+    for each in body:
+        yield from each.args
+        yield from _read(each.body)
+
+
+def take(column: Column, rows: NDArray[np.int64]) -> Column:
+    """Chosen rows of a column; one number for all stays one number."""
+    return column[rows] if isinstance(column, np.ndarray) and column.ndim else column
+
+
+def unit(degrees: Column) -> tuple[Column, Column]:
+    """Cosine and sine of angles in degrees."""
+    if isinstance(degrees, np.ndarray) and degrees.ndim:
+        return scan.unit(degrees)
+    return cosine_and_sine(float(degrees))
+
+
+def normal(w: Column, x: Column, y: Column, z: Column) -> tuple[Column, ...]:
+    """A quaternion of length 1."""
+    length = np.sqrt(np.square(w) + np.square(x) + np.square(y) + np.square(z))
+    return w / length, x / length, y / length, z / length
+
+
+def level(w: Column, i: Column, j: Column, k: Column, hand: Column) -> tuple[Column, ...]:
+    """A rotation rolled about its heading until the left is horizontal."""
+    columns = np.broadcast_arrays(*(np.atleast_1d(each) for each in (w, i, j, k, hand)))
+    rolled = bend.levelled(tuple(columns[:4]), columns[4])
+    if all(not isinstance(each, np.ndarray) for each in (w, i, j, k, hand)):
+        return tuple(float(column[0]) for column in rolled)
+    return rolled
+
+
+def function(
+    lines: Sequence[str], params: Sequence[str], result: str, space: Mapping[str, object]
+) -> Callable[..., object]:
+    """A function of its source."""
+    head = f"def body({', '.join(params)}):"
+    text = "\n    ".join([head, *lines, f"return {result}"])
+    own = dict(space)
+    exec(compile(text, "<production>", "exec"), own)
+    made = own["body"]
+    assert callable(made)
+    return made
+
+
+def names_for(single: bool) -> dict[str, object]:
+    """The names that bodies use."""
+    from ipmlang.runtime.order import Copies
+
+    return {
+        **namespace(single),
+        "child": keys.child_single,
+        "take": take,
+        "unit": cosine_and_sine if single else unit,
+        "normal": normal,
+        "level": level,
+        "copysign": np.copysign,
+        "flatnonzero": np.flatnonzero,
+        "Copies": Copies,
+    }

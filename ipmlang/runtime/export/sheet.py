@@ -1,0 +1,210 @@
+"""A flat scene as a drawing: every row in its place, in paint order, with its style.
+
+In goes the instance table, out comes a `Drawing` of `formats.drawing`. Assets are read once each
+and placed for all their rows together. Nothing is derived and nothing is written here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.compiler.diagnostics import fail
+from ipmlang.formats.drawing import LINE, Drawing, DrawnElement, Effect, Outline, Style
+from ipmlang.formats.svg.transforms import Matrix, multiply, translate
+from ipmlang.runtime.export.drawn_assets import (
+    depends_on_frame,
+    drawn_assets,
+    effects_of,
+    moved_style,
+    placed,
+)
+from ipmlang.runtime.export.placing import drawing_matrices
+from ipmlang.runtime.export.row_styles import row_sources, row_styles
+from ipmlang.runtime.scene import OUTLINE, SCOPE, SEGMENT, AssetRef, Scene
+
+Floats = NDArray[np.float64]
+Rows = NDArray[np.intp]
+
+_INSIDE = "#808080"
+_THIN = 1 / 500  # width of a segment whose pen sets none, as a share of the drawing's diagonal
+_BATCH = 4_000_000  # numbers placed at a time
+
+
+def drawing_of(scene: Scene) -> Drawing:
+    """The drawing of a flat scene; an `IpmError` if the scene is not flat or an asset is wrong."""
+    if not scene.flat:
+        raise fail(
+            "not-flat",
+            "this grammar leaves the plane, so it has no drawing",
+            hint="write .glb or .obj; pictures of 3-D come with `render`",
+        )
+    return _Sheet(scene).drawing()
+
+
+@dataclass(slots=True)
+class _Sheet:
+    """The drawing while it is made: `elements` holds a place for everything that is drawn."""
+
+    scene: Scene
+    elements: list[DrawnElement | None] = field(default_factory=list)
+    effects: dict[str, Effect] = field(default_factory=dict)
+
+    @property
+    def flip(self) -> float:
+        """y_svg = flip - y: the canvas is mirrored onto itself."""
+        canvas = self.scene.canvas
+        return 0.0 if canvas is None else 2 * canvas[1] + canvas[3]
+
+    def drawing(self) -> Drawing:
+        table = self.scene.instances
+        assets, notes = drawn_assets(self.scene)
+        counts = np.ones(len(table), np.intp)
+        counts[(table.asset == SCOPE) & ~(table.size[:, :2] != 0).all(axis=1)] = 0
+        for number, asset in assets.items():
+            counts[table.asset == number] = len(asset.elements)
+        # Equal layers keep the order of derivation.
+        order = np.argsort(table.layer, kind="stable")
+        place = np.empty(len(table), np.intp)
+        place[order] = np.cumsum(counts[order]) - counts[order]
+        self.elements = [None] * int(counts.sum())
+        for kind, draw in self._primitives().items():
+            rows = np.flatnonzero((table.asset == kind) & (counts > 0))
+            if len(rows):
+                draw(rows, place[rows])
+        for number, asset in assets.items():
+            self._draw_asset(number, asset, place)
+        drawn = tuple(element for element in self.elements if element is not None)
+        width, height = self.scene.canvas_size
+        return Drawing(drawn, self.scene.canvas, width, height, self.effects, notes)
+
+    def _primitives(self) -> dict[int, Callable[[Rows, Rows], None]]:
+        return {SEGMENT: self._segments, OUTLINE: self._polygons, SCOPE: self._scopes}
+
+    def _segments(self, rows: Rows, place: Rows) -> None:
+        """A line each, from the frame's origin along its x."""
+        table = self.scene.instances
+        matrices = drawing_matrices(table, rows, self.flip)
+        coords = np.zeros((len(rows), 1, 4, 2))
+        coords[:, 0, 0] = matrices[:, 4:]
+        coords[:, 0, 1] = matrices[:, 4:] + matrices[:, :2] * table.size[rows, :1]
+        base = Style(fill="none", stroke="#000000", stroke_width=self._default_width(coords))
+        kind, starts = np.array([LINE], np.uint8), np.array([0, 1], np.int32)
+        self._fill(rows, place, base, kind, starts, np.array([False]), coords)
+
+    def _scopes(self, rows: Rows, place: Rows) -> None:
+        """The rectangle of each scope."""
+        table = self.scene.instances
+        corners = np.array([[0, 0], [1, 0], [1, -1], [0, -1], [0, 0]], float)
+        matrices = drawing_matrices(table, rows, self.flip)
+        local = corners * table.size[rows, None, :2]
+        points = local @ matrices[:, :4].reshape(-1, 2, 2) + matrices[:, None, 4:]
+        coords = np.zeros((len(rows), 4, 4, 2))
+        coords[:, :, 0], coords[:, :, 1] = points[:, :-1], points[:, 1:]
+        base = Style(fill="none", stroke="#000000", stroke_width=self._default_width(coords))
+        kind, starts = np.full(4, LINE, np.uint8), np.array([0, 4], np.int32)
+        self._fill(rows, place, base, kind, starts, np.array([True]), coords)
+
+    def _polygons(self, rows: Rows, place: Rows) -> None:
+        """Turtle polygons, filled; their corners are in the world already."""
+        styles, sources = self._looks(rows, Style(fill=_INSIDE))
+        shapes = self.scene.instances.shape[rows].tolist()
+        for index, (shape, at) in enumerate(zip(shapes, place.tolist(), strict=True)):
+            outline = _polygon(self.scene.polygons[shape], self.flip)
+            self.elements[at] = DrawnElement(outline, styles[index], None, sources[index])
+
+    def _looks(self, rows: Rows, base: Style) -> tuple[list[Style], list[tuple[str, ...]]]:
+        styles = row_styles(self.scene, rows, base, self._pen_effects)
+        return styles, row_sources(self.scene, rows)
+
+    def _default_width(self, coords: Floats) -> float:
+        """1 on a canvas, else a share of the diagonal of what is drawn."""
+        if self.scene.canvas is not None:
+            return 1.0
+        points = coords[:, :, :2].reshape(-1, 2)
+        diagonal = float(np.hypot(*np.ptp(points, axis=0)))
+        return float(f"{diagonal * _THIN:.3g}") or 1.0
+
+    def _fill(
+        self,
+        rows: Rows,
+        place: Rows,
+        base: Style,
+        kind: NDArray[np.uint8],
+        starts: NDArray[np.int32],
+        closed: NDArray[np.bool_],
+        coords: Floats,
+    ) -> None:
+        """One element a row; outlines that share all but their coordinates (n, m, 4, 2)."""
+        styles, sources = self._looks(rows, base)
+        elements = self.elements
+        for at, points, style, source in zip(place.tolist(), coords, styles, sources, strict=True):
+            outline = Outline(kind, points, starts, closed)
+            elements[at] = DrawnElement(outline, style, None, source)
+
+    def _draw_asset(self, number: int, asset: Drawing, place: Rows) -> None:
+        table = self.scene.instances
+        rows = np.flatnonzero(table.asset == number)
+        matrices = drawing_matrices(table, rows, self.flip)
+        for offset, element in enumerate(asset.elements):
+            at, outline = place[rows] + offset, element.outline
+            if outline is None or depends_on_frame(element.style):
+                self._place_singly(rows, at, matrices, asset, element)
+                continue
+            step = max(1, _BATCH // (8 * len(outline.kind) + 1))
+            for begin in range(0, len(rows), step):
+                part = slice(begin, begin + step)
+                coords = placed(outline, matrices[part])
+                shared = (outline.kind, outline.starts, outline.closed)
+                self._fill(rows[part], at[part], element.style, *shared, coords)
+
+    def _place_singly(
+        self, rows: Rows, at: Rows, matrices: Floats, asset: Drawing, element: DrawnElement
+    ) -> None:
+        """Copies of what has a space of its own: fragments, gradients, slanted pens, effects."""
+        styles, sources = self._looks(rows, element.style)
+        own = element.style.effects
+        for index, (position, row) in enumerate(zip(at.tolist(), matrices.tolist(), strict=True)):
+            matrix: Matrix = (row[0], row[1], row[2], row[3], row[4], row[5])
+            style = moved_style(styles[index], matrix)
+            if own:
+                outer = style.effects[: -len(own)]
+                carried = tuple(self._carry(asset, name, matrix) for name in own)
+                style = replace(style, effects=outer + carried)
+            outline, fragment = element.outline, element.fragment
+            if outline is not None:
+                outline = replace(outline, coords=placed(outline, matrices[index : index + 1])[0])
+            if fragment is not None:
+                fragment = replace(fragment, matrix=multiply(matrix, fragment.matrix))
+            self.elements[position] = DrawnElement(outline, style, fragment, sources[index])
+
+    def _carry(self, asset: Drawing, name: str, matrix: Matrix) -> str:
+        """An effect inside an asset, in the space of one of its copies."""
+        effect = asset.effects[name]
+        key = f"{name} {matrix}"
+        self.effects[key] = replace(effect, matrix=multiply(matrix, effect.matrix))
+        return key
+
+    def _pen_effects(self, reference: AssetRef | None) -> tuple[str, ...]:
+        """The effects that a pen wraps its run in, outermost first."""
+        if reference is None:
+            return ()
+        shift = translate(0.0, self.flip)
+        names = []
+        for index, effect in enumerate(effects_of(reference)):
+            names.append(f"{reference.path}#{reference.node} {index}")
+            self.effects[names[-1]] = replace(effect, matrix=multiply(shift, effect.matrix))
+        return tuple(names)
+
+
+def _polygon(corners: Floats, flip: float) -> Outline:
+    """A closed outline through corners (m, 2 or 3) of the model."""
+    count = len(corners)
+    coords = np.zeros((count, 4, 2))
+    coords[:, 0, 0], coords[:, 0, 1] = corners[:, 0], flip - corners[:, 1]
+    coords[:, 1] = np.roll(coords[:, 0], -1, axis=0)
+    kind, starts = np.full(count, LINE, np.uint8), np.array([0, count], np.int32)
+    return Outline(kind, coords, starts, np.array([True]))

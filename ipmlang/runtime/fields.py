@@ -1,0 +1,47 @@
+"""The columns of a shape's state that a program can change, and what they hold at the start.
+
+In go a program and where its turtle starts, out come names in a fixed order. A program that never
+scales carries no scale, a flat one no z: executors carry these columns and no others.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from ipmlang.compiler import ir
+
+UPRIGHT = (0.5, 0.5, -0.5, 0.5)  # heading +z, left -x, up -y
+PLANE = ("x", "y", "angle")
+SPACE = ("x", "y", "z", "w", "i", "j", "k")
+IDENTITY = {"w": 1.0, "scale": 1.0}  # all other fields of a frame are 0
+
+
+def fields(program: ir.Program) -> dict[str, float]:
+    """Each field with its value at the start: the frame, `scale` (signed: negative in a mirrored
+    frame), `layer`, and the pen's fields, NaN or -1 where nothing is set."""
+    found = dict.fromkeys(PLANE if program.flat else SPACE, 0.0)
+    if not program.flat:
+        upright = (1.0, 0.0, 0.0, 0.0) if program.abop else UPRIGHT
+        found.update(zip("wijk", upright, strict=True))
+    used = {(each.op, _field(each)) for each in _meanings(program)}
+    ops = {op for op, _ in used}
+    if ops & {"scale", "mirror"}:
+        found["scale"] = 1.0
+    if "layer" in ops:
+        found["layer"] = 0.0
+    width = program.pen_width
+    if ("pen", "width") in used or width is not None:
+        found["width"] = math.nan if width is None else width
+    for _, name in sorted(each for each in used if each[0] == "pen" and each[1] != "width"):
+        found[name] = -1.0
+    return found
+
+
+def _field(each: ir.Instruction) -> str:
+    return str(each.const[0]) if each.op == "pen" and isinstance(each.const, tuple) else ""
+
+
+def _meanings(program: ir.Program) -> Iterator[ir.Instruction]:
+    for symbol in program.symbols:
+        yield from symbol.meaning or ()

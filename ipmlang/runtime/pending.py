@@ -1,0 +1,138 @@
+"""What waits to be derived: chunks of shapes as columns, by symbol and generation.
+
+In go the children that bodies make, out come batches of at most so many shapes: a full chunk of the
+deepest generation first, so that little waits. A column that is the same for a whole chunk stays
+one number; unchanged columns are passed on, not copied.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.runtime.code import Column
+from ipmlang.runtime.keys import Words
+
+CHUNK = 16_384
+Key = tuple[int, int]  # symbol, generation
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shapes:
+    """`count` shapes of one symbol: their numbers, key words, arguments and states as columns;
+    `rule` the production that made them, a number or (count,)."""
+
+    count: int
+    numbers: NDArray[np.int32]
+    k0: Words
+    k1: Words
+    rule: int | NDArray[np.int32]
+    params: tuple[Column, ...]
+    state: tuple[Column, ...]
+
+    def take(self, rows: NDArray[np.int64] | slice) -> Shapes:
+        """Some of the shapes."""
+        numbers = self.numbers[rows]
+        return Shapes(
+            len(numbers),
+            numbers,
+            self.k0[rows],
+            self.k1[rows],
+            self.rule if isinstance(self.rule, int) else self.rule[rows],
+            tuple(taken(column, rows) for column in self.params),
+            tuple(taken(column, rows) for column in self.state),
+        )
+
+
+class Pending:
+    """All chunks that wait."""
+
+    def __init__(self) -> None:
+        self._chunks: dict[Key, list[Shapes]] = {}
+        self._counts: dict[Key, int] = {}
+        self.count = 0
+
+    def put(self, symbol: int, generation: int, shapes: Shapes) -> None:
+        """Add shapes."""
+        if shapes.count:
+            key = (symbol, generation)
+            self._chunks.setdefault(key, []).append(shapes)
+            self._counts[key] = self._counts.get(key, 0) + shapes.count
+            self.count += shapes.count
+
+    def next(self) -> tuple[Key, Shapes]:
+        """The batch to derive next: at most CHUNK shapes."""
+        key = max(self._counts, key=lambda each: (min(self._counts[each], CHUNK), each[1]))
+        chunks = self._chunks[key]
+        found: list[Shapes] = []
+        room = CHUNK
+        while chunks and room:
+            chunk = chunks.pop()
+            if chunk.count > room:
+                chunks.append(chunk.take(slice(room, None)))
+                chunk = chunk.take(slice(0, room))
+            found.append(chunk)
+            room -= chunk.count
+        batch = merged(found)
+        self._note(key, batch.count)
+        return key, batch
+
+    def all(self) -> Iterator[tuple[Key, Shapes]]:
+        """Everything that waits, which then waits no more."""
+        chunks, self._chunks, self._counts, self.count = self._chunks, {}, {}, 0
+        for key in sorted(chunks):
+            if chunks[key]:
+                yield key, merged(chunks[key])
+
+    def _note(self, key: Key, taken: int) -> None:
+        self.count -= taken
+        self._counts[key] -= taken
+        if not self._counts[key]:
+            del self._counts[key], self._chunks[key]
+
+
+def taken(column: Column, rows: NDArray[np.int64] | slice) -> Column:
+    """Some rows of a column; one number for all stays one number."""
+    return column[rows] if isinstance(column, np.ndarray) else column
+
+
+def merged(chunks: Sequence[Shapes]) -> Shapes:
+    """Several chunks of one symbol as one."""
+    if len(chunks) == 1:
+        return chunks[0]
+    counts = [chunk.count for chunk in chunks]
+    rules = [chunk.rule for chunk in chunks]
+    rule: int | NDArray[np.int32]
+    if isinstance(rules[0], int) and all(
+        isinstance(each, int) and each == rules[0] for each in rules
+    ):
+        rule = rules[0]
+    else:
+        pairs = zip(rules, counts, strict=True)
+        rule = np.concatenate([np.broadcast_to(np.int32(each), (n,)) for each, n in pairs])
+    params = zip(*(chunk.params for chunk in chunks), strict=True)
+    state = zip(*(chunk.state for chunk in chunks), strict=True)
+    return Shapes(
+        sum(counts),
+        np.concatenate([chunk.numbers for chunk in chunks]),
+        np.concatenate([chunk.k0 for chunk in chunks]),
+        np.concatenate([chunk.k1 for chunk in chunks]),
+        rule,
+        tuple(joined(columns, counts) for columns in params),
+        tuple(joined(columns, counts) for columns in state),
+    )
+
+
+def joined(columns: Sequence[Column], counts: Sequence[int]) -> Column:
+    """Columns one after the other, one number where all are the same number."""
+    first = columns[0]
+    if not isinstance(first, np.ndarray) and all(
+        not isinstance(each, np.ndarray) and (each == first or (each != each and first != first))
+        for each in columns
+    ):
+        return first
+    pairs = zip(columns, counts, strict=True)
+    return np.concatenate([np.broadcast_to(column, (n,)) for column, n in pairs])
