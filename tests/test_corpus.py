@@ -23,7 +23,6 @@ from tests.engine.grammars import compiled
 
 CORPUS = Path(__file__).parent / "corpus"
 BOOK = {"turn": "|", "tick": "'", "cut": "%", "S0": "0", "S1": "1"}
-BOOK_AXES = (1, -1, -1)  # the published ends are of a turtle with its left along -y, up along -z
 Block = dict[str, str]
 
 
@@ -101,6 +100,6 @@ def of_scene(scene: Scene) -> dict:
     return {
         "drawn": [len(segments)],
         "vertices": [len(np.unique(np.round(points, 6) + 0.0, axis=0))],
-        "end": (ends[-1] * BOOK_AXES).tolist() if len(ends) else [],
+        "end": ends[-1].tolist() if len(ends) else [],
         "extent": np.ptp(points, axis=0).tolist(),
     }

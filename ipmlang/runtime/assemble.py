@@ -6,7 +6,7 @@ that exporters read. Nothing here derives, and no geometry is read.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -57,6 +57,8 @@ def scene(
     """The scene of a derivation that made `shapes` shapes in `generations` steps."""
     styles, style = _styles(program, rows)
     axiom = len(program.productions)
+    if program.abop:
+        rows, polygons = _in_book_axes(rows, polygons, program.flat)
     instances = Instances(
         rows.position,
         rows.rotation,
@@ -87,6 +89,24 @@ def scene(
         shapes,
         seed,
     )
+
+
+def _in_book_axes(
+    rows: Rows, polygons: tuple[NDArray[np.float64], ...], flat: bool
+) -> tuple[Rows, tuple[NDArray[np.float64], ...]]:
+    """All turned by half a turn about x: the published end points are those of a turtle that starts
+    with its left along -y and its up along -z. In the plane that is a mirrored frame.
+    """
+    w, x, y, z = rows.rotation.T
+    turned = (z, x, y, w) if flat else (-x, w, -z, y)
+    axes = np.array((1.0, -1.0, -1.0))
+    made = replace(
+        rows,
+        position=rows.position * axes + 0.0,
+        rotation=np.stack(turned, axis=1),
+        scale=-rows.scale if flat else rows.scale,
+    )
+    return made, tuple(corners * axes[: corners.shape[1]] for corners in polygons)
 
 
 def _origin(program: ir.Program, production: ir.Production) -> Origin:

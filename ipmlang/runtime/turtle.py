@@ -150,7 +150,7 @@ class Turtle:
             path.resolve(own, lambda part, rows: scan.scan(part, rows, scan.quaternion_product))
             return scan.normalised(own)
         hand = self._hands(acts, path)
-        bending = Bending(self._program.tropism)
+        bending = Bending(self._program.tropism, -1.0 if self._program.abop else 1.0)
         path.resolve((*own, kind, hand), lambda part, rows: scan.walked(part, rows, bending))
         return scan.normalised(own)
 
