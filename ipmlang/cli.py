@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 USER_FILE_WRONG, COMMAND_WRONG = 1, 2
 COMMAND_CODES = frozenset(
-    {"unknown-attribute", "attribute-type", "attribute-range", "backend-missing", "unknown-suffix",
+    {"unknown-attribute", "attribute-type", "attribute-range", "backend-missing", "unknown-format",
      "unknown-method", "bad-command"}
 )  # fmt: skip
 

@@ -1,1 +1,150 @@
-""""""
+"""From a drawing to the grammar that a person would have written: read, propose, score, simplify.
+
+`infer` takes a file and gives an `Inference`: the syntax tree, the terminals' file, a report. The
+grammar has been derived and compared with the drawing when it is returned. Only `save` writes.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from ipmlang.compiler import ast
+from ipmlang.compiler.diagnostics import fail
+from ipmlang.compiler.format import format_grammar
+from ipmlang.compiler.tokens import count_text_tokens
+from ipmlang.formats import FormatError
+from ipmlang.formats.drawing import Drawing
+from ipmlang.inverse.report import Report
+
+__all__ = ["Inference", "Report", "infer"]
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Inference:
+    """A proven grammar. stem: the name its text uses for the parts file; parts: that file."""
+
+    grammar: ast.Grammar
+    parts: bytes
+    report: Report
+    stem: str
+
+    @property
+    def text(self) -> str:
+        """The grammar as it is written beside `<stem>.parts.svg`."""
+        return format_grammar(self.grammar)
+
+    def save(self, path: Path | str) -> None:
+        """Write `x.ipm` and `x.parts.svg` beside it, both or neither."""
+        from ipmlang.formats.atomic import write_files
+
+        path = Path(path)
+        beside = path.with_name(f"{path.stem}.parts.svg")
+        text = self.text.replace(f'"{self.stem}.parts.svg', f'"{path.stem}.parts.svg')
+        try:
+            write_files({path: text.encode("utf-8"), beside: self.parts})
+        except FormatError as error:
+            raise fail("cannot-write", error.message, hint=error.hint) from error
+
+
+def infer(
+    path: Path | str,
+    *,
+    method: str = "auto",
+    flat: bool = False,
+    progress: Progress | None = None,
+) -> Inference:
+    """The grammar of a drawing. `flat`: one placement per element and no rules, the baseline.
+
+    Raises IpmError for a file that cannot be read, and for methods that are not there yet.
+    """
+    path = Path(path)
+    _check_method(path, method)
+    started = time.process_time()
+    say = progress or (lambda _: None)
+    say(f"reading {path.name}")
+    drawing = _read(path)
+    from ipmlang.inverse.attempt import best_grammar
+
+    made = best_grammar(drawing, _stem(path), flat, say)
+    text = format_grammar(made.grammar)
+    report = replace(
+        made.report,
+        tokens=count_text_tokens(text) + made.report.tokens,
+        grammar_bytes=len(text.encode("utf-8")),
+        parts_bytes=len(made.parts.encode("utf-8")),
+        source_bytes=drawing.source_bytes,
+        seconds=round(time.process_time() - started, 3),
+        notes=_notes(drawing),
+    )
+    grammar = replace(made.grammar, header=_header(path, report, flat))
+    return Inference(grammar, made.parts.encode("utf-8"), report, _stem(path))
+
+
+def _check_method(path: Path, method: str) -> None:
+    known = ("auto", "lsystem", "split", "docking")
+    if method not in known:
+        raise fail("unknown-method", f"there is no method `{method}`", hint=", ".join(known))
+    if method in ("split", "docking"):
+        raise fail(
+            "unknown-method",
+            f"the method `{method}` is not there yet",
+            hint="`lsystem` reads drawings (.svg)",
+        )
+    if path.suffix.lower() not in (".svg", ".svgz"):
+        raise fail(
+            "not-a-drawing",
+            f"`{path.name}` is no drawing that can be read yet",
+            hint="grammars are inferred from .svg files",
+        )
+
+
+def _stem(path: Path) -> str:
+    return path.stem.replace('"', "_").replace("\\", "_").replace("#", "_")
+
+
+def _read(path: Path) -> Drawing:
+    from ipmlang.formats.svg import read_svg, split_compound
+
+    try:
+        return split_compound(read_svg(path))
+    except FormatError as error:
+        place = f"{path}:{error.line}" if error.line is not None else str(path)
+        raise fail("unreadable", f"{place}: {error.message}", hint=error.hint) from error
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise fail("unreadable", f"cannot read {path}: {reason}") from error
+
+
+def _notes(drawing: Drawing) -> tuple[str, ...]:
+    """What the reader says, and what is carried through without being understood."""
+    kinds: dict[str, int] = {}
+    for element in drawing.elements:
+        if element.fragment is not None:
+            kinds[element.fragment.kind] = kinds.get(element.fragment.kind, 0) + 1
+    carried = [f"carried through: {kind} ({count})" for kind, count in sorted(kinds.items())]
+    said = [
+        note.message + (f" ({note.count} times)" if note.count > 1 else "")
+        for note in drawing.notes
+    ]
+    return tuple(dict.fromkeys(carried + said))
+
+
+def _header(path: Path, report: Report, flat: bool) -> tuple[ast.Comment, ...]:
+    """What was read, how much was explained, the largest error."""
+    lines = [f"Read from {path.name}: {report.elements} elements."]
+    if flat:
+        lines.append("One placement per element; nothing was looked for.")
+    else:
+        share = round(report.explained * report.elements)
+        lines.append(
+            f"{report.rules} rules explain {share} of them; "
+            f"{report.tokens} tokens instead of {report.tokens_flat}."
+        )
+    lines.append(f"Largest error: {report.max_error:.1e} of the diagonal.")
+    lines += [f"Note: {note}" for note in report.notes]
+    return tuple(ast.Comment(line.replace("\n", " ")) for line in lines)

@@ -7,7 +7,7 @@ hold. Numbers get as many digits as they need and no more. Nothing here decides 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -21,7 +21,6 @@ from ipmlang.inverse.simplify import AXIOM, Book, Loop, ring_centre
 
 TABLE_ROWS = 6  # fewer placements of one symbol are written out
 LIFTED = 4  # how many counts, and how many steps, become attributes
-NONE = ast.NOWHERE
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,11 +55,10 @@ class Builder:
     axiom: str
     use_tables: bool = True
 
-    def __post_init__(self) -> None:
-        self.attributes: list[ast.Attr] = []
-        self.tables: list[ast.Table] = []
-        self._counts: dict[int, str] = {}
-        self._steps: dict[int, str] = {}
+    attributes: list[ast.Attr] = field(default_factory=list)
+    tables: list[ast.Table] = field(default_factory=list)
+    _counts: dict[int, str] = field(default_factory=dict)
+    _steps: dict[int, str] = field(default_factory=dict)
 
     def rules(self) -> list[ast.Rule]:
         """All rules, from the axiom downwards."""

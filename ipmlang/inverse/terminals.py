@@ -27,7 +27,7 @@ from ipmlang.inverse.lsystem.frames import Frames, identity
 from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Seen
 from ipmlang.inverse.lsystem.symmetry import trivial
 from ipmlang.inverse.observation import Observation, ShapeClass
-from ipmlang.runtime.drawn_assets import depends_on_frame, moved_style
+from ipmlang.runtime.export.drawn_assets import depends_on_frame, moved_style
 
 SHARE = 3e-7  # of the diagonal: how far an expansion may be from what was observed
 
@@ -101,7 +101,7 @@ def _terminal(
         return (fragment.kind, fragment.xml, linear), Terminal(row, known, style, fragment)
     if depends_on_frame(style):
         back = inverse(drawn_matrix(placed[row : row + 1], observed.flip))
-        style = _rounded(moved_style(style, back)) if back is not None else style
+        style = _rounded(moved_style(style, back))
     return (shape, style), Terminal(row, known, style, None)
 
 

@@ -80,7 +80,7 @@ class Writer:
         saved: list[State] = []
         passed = -1
         for number, each in enumerate(elements):
-            if number <= passed:
+            if number <= passed and each.op not in ir.VALUE_OPS:
                 continue
             if each.op == "open":
                 saved.append(dict(state))

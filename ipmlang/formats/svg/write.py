@@ -24,6 +24,7 @@ from ipmlang.formats.svg.transforms import IDENTITY, Matrix, inverse, is_usable,
 Box = tuple[float, float, float, float]
 
 _MARGIN = 0.02
+_BATCH = 50_000
 _HEAD = (
     '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"{size}>\n'
 )
@@ -67,32 +68,38 @@ def write_groups(drawing: Drawing, runs: Mapping[str, int], head: str = "") -> s
 
 
 def fitted_box(elements: Sequence[DrawnElement]) -> Box:
-    """The box of what is drawn (curves by their control points), pens included, and a margin."""
-    low, high = np.full(2, np.inf), np.full(2, -np.inf)
-    for element in elements:
-        if element.outline is not None and len(element.outline.kind):
-            points = control_points(element.outline)
-            pen = element.style.stroke_width / 2 if element.style.stroke != "none" else 0.0
-            low = np.minimum(low, points.min(axis=0) - pen)
-            high = np.maximum(high, points.max(axis=0) + pen)
-        elif element.fragment is not None:
-            low = np.minimum(low, element.fragment.matrix[4:])
-            high = np.maximum(high, element.fragment.matrix[4:])
-    if not np.isfinite(low).all():
+    """The box of what is drawn (curves by their handles), pens included, and a margin."""
+    corners = [np.zeros((0, 2))]
+    corners += [np.array([each.fragment.matrix[4:]]) for each in elements if each.fragment]
+    drawn = [each for each in elements if each.outline is not None and len(each.outline.kind)]
+    for start in range(0, len(drawn), _BATCH):
+        corners += _corners(drawn[start : start + _BATCH])
+    points = np.concatenate(corners)
+    if not len(points):
         return (0.0, 0.0, 1.0, 1.0)
+    low, high = points.min(axis=0), points.max(axis=0)
     margin = _MARGIN * (float((high - low).max()) or 1.0)
     x, y = (low - margin).tolist()
     width, height = (high - low + 2 * margin).tolist()
     return (x, y, width, height)
 
 
-def control_points(outline: Outline) -> NDArray[np.float64]:
-    """(m, 2) points whose box contains an outline: ends, handles, boxes of whole ellipses."""
-    arcs = outline.kind == ARC
-    plain, bent = outline.coords[~arcs], outline.coords[arcs]
-    used = np.arange(4) <= outline.kind[~arcs, None]
-    reach = np.sqrt(bent[:, 1] ** 2 + bent[:, 2] ** 2)
-    return np.concatenate([plain[used], bent[:, 0] - reach, bent[:, 0] + reach])
+def _corners(drawn: Sequence[DrawnElement]) -> list[NDArray[np.float64]]:
+    """Points (m, 2) whose box contains elements: their lowest and highest ones."""
+    outlines = [each.outline for each in drawn if each.outline is not None]
+    kind = np.concatenate([outline.kind for outline in outlines])
+    coords = np.concatenate([outline.coords for outline in outlines])
+    pens = [each.style.stroke_width / 2 * (each.style.stroke != "none") for each in drawn]
+    pen = np.repeat(pens, [len(outline.kind) for outline in outlines])[:, None]
+    # Ends and handles of lines and curves; the box of the whole ellipse for arcs.
+    used = np.arange(4) <= kind[:, None]
+    reach = np.sqrt(coords[:, 1] ** 2 + coords[:, 2] ** 2)
+    arc, used = kind[:, None] == ARC, used[:, :, None]
+    low = np.where(used, coords, np.inf).min(axis=1)
+    high = np.where(used, coords, -np.inf).max(axis=1)
+    low = np.where(arc, coords[:, 0] - reach, low) - pen
+    high = np.where(arc, coords[:, 0] + reach, high) + pen
+    return [low.min(axis=0)[None], high.max(axis=0)[None]]
 
 
 def _size(drawing: Drawing, box: Box) -> str:

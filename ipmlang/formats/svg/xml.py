@@ -180,9 +180,7 @@ def _light_tree(
             _append_text(parent, element.tail or "")
             continue
         if depth > limits.depth:
-            raise FormatError(
-                f"elements are nested more than {limits.depth} deep", line
-            )
+            raise FormatError(f"elements are nested more than {limits.depth} deep", line)
         # Attribute keys and values are str: lxml is given bytes and gives back text.
         node = Node(tag, dict(element.attrib), parent, line)  # type: ignore[arg-type]
         node.text = element.text or ""

@@ -1,4 +1,4 @@
-"""A scene to a file, by the file's suffix: drawings as svg and png, models as obj, glb, ply and stl.
+"""A scene to a file by its suffix: drawings as svg and png, models as obj, glb, ply and stl.
 
 Takes a scene and a path; the file appears whole or not at all. What cannot be written is an
 `IpmError` that says why. Nothing is derived here, and nothing is printed.
@@ -43,8 +43,8 @@ def save(scene: Scene, path: Path | str, *, instancing: bool = False) -> None:
     """Write a scene to `path`; its suffix says how.
 
     `instancing`: let a glb use EXT_mesh_gpu_instancing, which is smaller but which fewer programs
-    read. Raises `IpmError` for an unknown suffix, a scene that the format cannot hold, an asset that
-    cannot be read, and a file that cannot be written.
+    read. Raises `IpmError` for an unknown suffix, a scene that the format cannot hold, an asset
+    that cannot be read, and a file that cannot be written.
     """
     path = Path(path)
     check_output(path)

@@ -1,7 +1,7 @@
 """Frames of rows as matrices: those of space, and those of a drawing whose y points down.
 
-In go positions, unit quaternions and signed scales, out come matrices, all at once. Frames are as in
-`Instances`: world = position + |s| R diag(h, 1, 1) local. Nothing here knows assets or files.
+In go positions, unit quaternions and signed scales, out come matrices, all at once. Frames are as
+in `Instances`: world = position + |s| R diag(h, 1, 1) local. Nothing here knows assets or files.
 """
 
 from __future__ import annotations

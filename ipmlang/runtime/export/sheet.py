@@ -6,7 +6,9 @@ and placed for all their rows together. Nothing is derived and nothing is writte
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import contextlib
+import gc
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -42,7 +44,21 @@ def drawing_of(scene: Scene) -> Drawing:
             "this grammar leaves the plane, so it has no drawing",
             hint="write .glb or .obj; pictures of 3-D come with `render`",
         )
-    return _Sheet(scene).drawing()
+    with _without_collection():
+        return _Sheet(scene).drawing()
+
+
+@contextlib.contextmanager
+def _without_collection() -> Iterator[None]:
+    """A million small objects that all stay: looking for garbage among them would cost more than
+    making them."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
 
 
 @dataclass(slots=True)
