@@ -12,12 +12,13 @@ from pathlib import Path
 
 from ipmlang.compiler.check import check
 from ipmlang.compiler.checked import Checked
-from ipmlang.compiler.diagnostics import Diagnostic, IpmError
+from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail
 from ipmlang.compiler.ir import Program
 from ipmlang.compiler.load import Loaded, load, load_text
 from ipmlang.compiler.lower import lower
+from ipmlang.compiler.verify import verify
 
-__all__ = ["check", "compile_file", "compile_loaded", "compile_text", "load", "lower"]
+__all__ = ["check", "compile_file", "compile_loaded", "compile_text", "load", "lower", "verify"]
 
 
 def compile_file(
@@ -43,4 +44,9 @@ def compile_loaded(loaded: Loaded) -> tuple[Checked, Program, tuple[Diagnostic, 
     errors = [each for each in checked.diagnostics if each.severity == "error"]
     if errors:
         raise IpmError(errors)
-    return checked, lower(checked), checked.diagnostics
+    program = lower(checked)
+    faults = verify(program)
+    if faults:
+        hint = "this is a fault of ipmlang, not of the grammar: please report it"
+        raise fail("compiler-fault", faults[0], hint=hint)
+    return checked, program, checked.diagnostics

@@ -53,9 +53,10 @@ BODY_OPS = frozenset({"module", "open", "close", "repeat"})
 
 @dataclass(frozen=True, slots=True)
 class Instruction:
-    """One instruction. `out` is the register it writes or -1; `args` the registers it reads; `site` a
-    number unique within the production for random draws and children (-1: none); `span` where it was
-    written, relative to its item."""
+    """One instruction. `out` is the register it writes or -1; `args` the registers it reads; `site`
+    a number unique within the production for random draws and children (-1: none); `span` where it
+    was written, relative to its item.
+    """
 
     op: Opcode
     out: int = -1
@@ -120,7 +121,8 @@ class Symbol:
 @dataclass(frozen=True, slots=True)
 class Attribute:
     """A settable number, truth value or text, with its default as code over earlier attributes
-    (register `default[1]`), evaluated once per run with the seed's root key."""
+    (register `default[1]`), evaluated once per run with the seed's root key.
+    """
 
     name: str
     type: Literal["int", "float", "bool", "string"]
@@ -153,11 +155,12 @@ class TableData:
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """Where a derivation stops with an error: shapes (all ever made), steps (generations), depth (of
-    the derivation tree), memory in bytes beyond the process as it was."""
+    """Where a derivation stops with an error: shapes (all ever made), steps (generations), depth
+    (of the derivation tree), memory in bytes beyond the process as it was.
+    """
 
     shapes: int = 50_000_000
-    steps: int = 100_000
+    steps: int = 200_000
     depth: int = 200_000
     memory: int = 8_000_000_000
 
@@ -166,9 +169,9 @@ class Limits:
 class Program:
     """A whole grammar, lowered.
 
-    `axiom` is a production of no symbol (-1). `steps`: None rewrites until no module has productions.
-    `threaded`: some module that moves is followed by something that reads the turtle in its bracket,
-    or a production has context: derive as a string. `flat`: nothing leaves z = 0.
+    `axiom` is a production of no symbol (-1). `steps`: None rewrites until no module has
+    productions. `threaded`: some module that moves is followed by something that reads the turtle
+    in its bracket, or a production has context: derive as a string. `flat`: nothing leaves z = 0.
     `strings`: interned text values; a text in a register is its number.
     """
 

@@ -15,6 +15,8 @@ from ipmlang.formats.drawing import Drawing, Effect, Fragment, Paint, PaintServe
 RELATIVE = 1e-6
 # Colours and references (#1e3a5f, #clip2) and names with digits are words, not numbers.
 TOKEN = re.compile(r"(#[\w-]+|[A-Za-z_]{2,}[\w-]*)|([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)")
+# An attribute in single quotes, as one in double quotes would be written.
+QUOTED = re.compile(r"='([^'<>]*\"[^'<>]*)'")
 DEFINED = re.compile(r"""\bid\s*=\s*["']([^"']+)["']""")
 Matrix = tuple[float, float, float, float, float, float]
 
@@ -104,7 +106,7 @@ def _same_effect(a: Effect | None, b: Effect | None, unit: float) -> bool:
 
 def _renamed(texts: Sequence[str]) -> str:
     """The texts as one, with the ids they define replaced by their order of appearance."""
-    whole = "\n".join(texts)
+    whole = QUOTED.sub(lambda match: '="' + match[1].replace('"', "&quot;") + '"', "\n".join(texts))
     names = list(dict.fromkeys(DEFINED.findall(whole)))
     if not names:
         return whole

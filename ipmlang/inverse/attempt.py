@@ -59,7 +59,7 @@ def best_grammar(
     attempts += [
         (flat_book, lambda: flat_file),
         (flat_book, lambda: write_grammar(
-            flat_book, Subject(observed, instanced, stem, 0.0, False))),
+            flat_book, Subject(observed, instanced, stem, 1e-15, False))),
     ]  # fmt: skip
     say("deriving what was found")
     return _first_right(drawing, observed, attempts, stem, flat_tokens)

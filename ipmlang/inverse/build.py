@@ -173,10 +173,7 @@ class Builder:
             start = end
 
     def _table(self, part: int, places: Frames) -> ast.Element:
-        """`repeat(r in T) { [at(r.x, r.y) A] }`, or uneven steps along a line."""
-        uneven = self._uneven(part, places)
-        if uneven is not None:
-            return uneven
+        """`repeat(r in T) { [at(r.x, r.y) A] }`."""
         errors = [self._errors(AXIOM, part, float(places.scale.max()))] * 4
         rounded = [
             [shortest(float(value), error) for value in column]
@@ -204,28 +201,6 @@ class Builder:
         body = (ast.Bracket((*place, self._module(part))),)
         return ast.Repeat(ast.Rows("r", name), body)
 
-    def _uneven(self, part: int, places: Frames) -> ast.Element | None:
-        """`repeat(i < n) steps (61, 61, 60) { A }` where copies stand upright on one line."""
-        steps = np.diff(places.position)
-        size = self.reach.error
-        still = np.ptp(places.angle) <= SMALL and np.ptp(places.scale) <= SMALL
-        if not still or (np.abs(steps) <= size).any():
-            return None
-        heading = float(np.angle(steps[0], deg=True))
-        along = steps * np.exp(-1j * np.deg2rad(heading))
-        off = np.abs(np.cumsum(along.imag))
-        if off.max() > size or (along.real <= 0).any():
-            return None
-        lengths = [shortest(float(each), size / len(steps)) for each in along.real]
-        line = Frames(places.x[:1], places.y[:1], np.array([heading]), np.ones(1),
-                      np.ones(1, np.int8))  # fmt: skip
-        upright = Frames(np.zeros(1), np.zeros(1), places.angle[:1] - heading, places.scale[:1],
-                         places.handedness[:1])  # fmt: skip
-        inner = ast.Bracket((*self._moves(AXIOM, part, upright), self._module(part)))
-        count = ast.Count("i", ast.Number(float(len(places))))
-        loop = ast.Repeat(count, (inner,), steps=tuple(number(each) for each in lengths))
-        return ast.Bracket((*self._moves(AXIOM, part, line), loop))
-
     # --------------------------------------------------------------------- loops
 
     def _parametric(self, family: int) -> bool:
@@ -251,7 +226,11 @@ class Builder:
             limit = ast.Number(float(sizes[-1]))
         body = self._loop_body(family, loop, sizes, limit)
         head = ast.Head(self.names[family], parameters)
-        return ast.Rule(head, (ast.Repeat(ast.Count("i", limit), body),))
+        steps = tuple(number(each, self._step_error(family, loop)) for each in loop.pattern.steps)
+        return ast.Rule(head, (ast.Repeat(ast.Count("i", limit), body, steps=steps),))
+
+    def _step_error(self, family: int, loop: Loop) -> float:
+        return self._errors(family, loop.part, 1.0)[0] / max(1, len(loop.pattern.steps))
 
     def _loop_body(
         self, family: int, loop: Loop, sizes: Sequence[int], limit: ast.Expr
@@ -259,6 +238,9 @@ class Builder:
         pattern = loop.pattern
         if ring_centre(pattern) is not None and not _is_identity(loop.where):
             return (self._ring_copy(family, loop, sizes, limit),)
+        if pattern.kind == "listed":
+            angle = shortest(pattern.base[0], self._errors(family, loop.part, 1.0)[1])
+            return (ast.Bracket((*_turns(angle, 1.0), self._module(loop.part))),)
         if pattern.kind == "even":
             return self._even_copy(family, loop, sizes[-1])
         return (ast.Bracket((self._module(loop.part),)), *self._step(family, loop, sizes[-1]))
@@ -365,7 +347,11 @@ class Builder:
         """Counts and steps of the sequences that draw most become attributes."""
         used = self.book.uses()
         sizes = {family: self._sizes(family) for family in self.book.loops}
-        plain = [f for f, counts in sizes.items() if len(counts) == 1 and counts[0] >= 4]
+        plain = [
+            family
+            for family, counts in sizes.items()
+            if len(counts) == 1 and counts[0] >= 4 and not self.book.loops[family].pattern.steps
+        ]
         weight = {family: int(self._drawn(family)) * used[family] for family in plain}
         for family in sorted(plain, key=lambda f: (-weight[f], f))[:LIFTED]:
             loop, count = self.book.loops[family], sizes[family][0]

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ipmlang.compiler import ast
+from ipmlang.formats.drawing import Effect
 from ipmlang.formats.svg import table_xml
 from ipmlang.formats.svg.parts import write_parts
 from ipmlang.inverse.build import Builder, Wrap, measure
@@ -20,7 +21,7 @@ from ipmlang.inverse.naming import Names, capital, own_hint, shape_word, shared_
 from ipmlang.inverse.observation import Observation
 from ipmlang.inverse.score import SMALL
 from ipmlang.inverse.simplify import AXIOM, Book
-from ipmlang.inverse.terminals import Instanced, asset_element, effect_stack
+from ipmlang.inverse.terminals import Instanced, asset_element, effect_in_parts
 
 INLINE_ROWS = 24  # a longer table goes to the parts file
 SHARE = 1e-8  # of the diagonal: what one rounded number may move a point by
@@ -103,20 +104,26 @@ def _literal(value: float) -> ast.Expr:
 
 def _wraps(
     book: Book, subject: Subject, names: Names
-) -> tuple[list[Wrap], dict[str, tuple[object, ...]]]:
-    """The reference of every stack of effects, and the stacks by id."""
+) -> tuple[list[Wrap], dict[str, tuple[str | None, Effect]]]:
+    """The reference of every stack of effects, and the effects by id with what they stand in."""
     wraps: list[Wrap] = []
-    stacks = {}
+    groups: dict[str, tuple[str | None, Effect]] = {}
+    known: dict[tuple[str, ...], str] = {}
     used = set(book.wrap.tolist())
+    observed = subject.observed
     for number, stack in enumerate(subject.instanced.effects):
         if not stack or number not in used:
             wraps.append(Wrap(()))
             continue
-        name = names.give("effect_group")
-        observed = subject.observed
-        stacks[name] = effect_stack(observed.drawing, stack, observed.flip)
-        wraps.append(Wrap((f"{_file(subject)}#{name}",)))
-    return wraps, stacks
+        for depth in range(1, len(stack) + 1):
+            inner = stack[:depth]
+            if inner not in known:
+                known[inner] = names.give("group")
+                outer = known.get(inner[:-1])
+                effect = effect_in_parts(observed.drawing, inner[-1], observed.flip)
+                groups[known[inner]] = (outer, effect)
+        wraps.append(Wrap((f"{_file(subject)}#{known[stack]}",)))
+    return wraps, groups
 
 
 def _stored(

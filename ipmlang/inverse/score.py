@@ -50,6 +50,8 @@ def sequence_tokens(pattern: Pattern) -> int:
     if pattern.kind == "even":
         steps = sum(abs(value) > SMALL for value in base)
         return LOOP + 3 + 4 + 2 * steps
+    if pattern.kind == "listed":
+        return LOOP + 6 + len(pattern.steps) + 4 * (abs(base[0]) > SMALL)
     neutral = (0.0, 0.0, 1.0, 0.0)
     used = sum(
         abs(t0 - rest) > SMALL or t1 != 0.0

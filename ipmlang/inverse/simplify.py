@@ -113,7 +113,7 @@ def _plain(pattern: Pattern) -> Pattern:
     """A turtle that neither turns nor grows goes in even steps."""
     alpha, distance, scale, beta = pattern.base
     straight = abs(alpha + beta) <= SMALL and abs(scale - 1) <= SMALL
-    if pattern.kind == "even" or pattern.mirrored or not pattern.constant or not straight:
+    if pattern.kind != "turtle" or pattern.mirrored or not pattern.constant or not straight:
         return pattern
     step = frames(np.array([distance + 0j]))
     turned = compose(frames(np.zeros(1, np.complex128), alpha), step)
@@ -322,7 +322,7 @@ def _recentre_groups(book: Book) -> None:
         same = book.family.get(int(body.parts[0]), int(body.parts[0]))
         if any(book.family.get(part, part) != same for part in body.parts.tolist()):
             continue
-        if in_loop(book, same) or in_loop(book, rule):
+        if same in book.loops or in_loop(book, same) or in_loop(book, rule):
             continue
         steps = compose(inverse(body.places[:1]), body.places)
         centre = _shared_point(steps, book.small * 30)

@@ -23,8 +23,8 @@ from ipmlang.formats.drawing import (
 )
 from ipmlang.formats.svg.transforms import Matrix, inverse, multiply, translate
 from ipmlang.inverse.lsystem.curves import flipped, moved
-from ipmlang.inverse.lsystem.frames import Frames, identity
-from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Seen
+from ipmlang.inverse.lsystem.frames import Frames, compose, frames, identity
+from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Seen, see
 from ipmlang.inverse.lsystem.symmetry import trivial
 from ipmlang.inverse.observation import Observation, ShapeClass
 from ipmlang.runtime.export.drawn_assets import depends_on_frame, moved_style
@@ -35,12 +35,14 @@ SHARE = 3e-7  # of the diagonal: how far an expansion may be from what was obser
 @dataclass(frozen=True, slots=True, eq=False)
 class Terminal:
     """What an asset shows: a shape class in a style, or a fragment about its own origin (y down).
-    row: the first element drawn by it."""
+    row: the first element drawn by it; base: how the representative lies in the asset.
+    """
 
     row: int
     shape: ShapeClass
     style: Style
     fragment: Fragment | None
+    base: Frames
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,7 +60,7 @@ def instance(observed: Observation) -> Instanced:
     """The alphabet of terminals and the string of all elements in paint order."""
     alphabet = Alphabet(SHARE * observed.diagonal)
     plain = [replace(style, effects=()) for style in observed.styles]
-    placed = _with_fragments(observed)
+    placed = _upright(observed)
     known: dict[Hashable, int] = {}
     terminals: list[Terminal] = []
     numbers = np.empty(len(observed), np.int64)
@@ -69,25 +71,36 @@ def instance(observed: Observation) -> Instanced:
         if key not in known:
             bound = made.fragment is not None or depends_on_frame(made.style)
             symmetry = trivial() if bound else made.shape.symmetry
-            known[key] = alphabet.add_terminal(symmetry, made.shape.radius)
+            radius = made.shape.radius * float(made.base.scale[0])
+            known[key] = alphabet.add_terminal(symmetry, radius)
             terminals.append(made)
         numbers[row] = known[key]
     wraps: dict[tuple[str, ...], int] = {}
     of_style = [wraps.setdefault(style.effects, len(wraps)) for style in observed.styles]
     wrap = np.array(of_style, np.int64)[observed.style]
     string = Arrangement(numbers, placed, np.arange(len(observed)), wrap)
-    return Instanced(alphabet, string, Seen(numbers, placed), tuple(terminals), tuple(wraps))
+    return Instanced(alphabet, string, see(alphabet, numbers, placed), tuple(terminals), tuple(wraps))
 
 
-def _with_fragments(observed: Observation) -> Frames:
-    """The frames of all elements; a fragment's is where its own origin lies."""
-    x, y = observed.frames.x.copy(), observed.frames.y.copy()
+def _upright(observed: Observation) -> Frames:
+    """The frames of all elements. What depends on its frame (gradients, slanted pens) is only moved,
+    never turned or scaled, so that nothing about it is rounded; so are fragments.
+    """
+    given = observed.frames
+    x, y = given.x.copy(), given.y.copy()
     for shape in observed.classes:
         if shape.fragment is not None:
             x[shape.members] = shape.fragment.matrix[4]
             y[shape.members] = observed.flip - shape.fragment.matrix[5]
-    given = observed.frames
-    return Frames(x, y, given.angle, given.scale, given.handedness)
+    bound = np.array([depends_on_frame(replace(s, effects=())) for s in observed.styles], np.bool_)
+    fixed = bound[observed.style]
+    return Frames(
+        x,
+        y,
+        np.where(fixed, 0.0, given.angle),
+        np.where(fixed, 1.0, given.scale),
+        np.where(fixed, 1, given.handedness).astype(np.int8),
+    )
 
 
 def _terminal(
@@ -98,11 +111,17 @@ def _terminal(
     if known.fragment is not None:
         linear = known.fragment.matrix[:4]
         fragment = replace(known.fragment, matrix=(*linear, 0.0, 0.0))
-        return (fragment.kind, fragment.xml, linear), Terminal(row, known, style, fragment)
-    if depends_on_frame(style):
-        back = inverse(drawn_matrix(placed[row : row + 1], observed.flip))
-        style = _rounded(moved_style(style, back))
-    return (shape, style), Terminal(row, known, style, None)
+        return (fragment.kind, fragment.xml, linear), Terminal(
+            row, known, style, fragment, identity(1)
+        )
+    if not depends_on_frame(style):
+        return (shape, style), Terminal(row, known, style, None, identity(1))
+    back = inverse(drawn_matrix(placed[row : row + 1], observed.flip))
+    local = _rounded(moved_style(style, back))
+    given = observed.frames[row : row + 1]
+    base = frames(np.zeros(1, np.complex128), given.angle, given.scale, given.handedness)
+    key = float(base.angle[0]), float(base.scale[0]), int(base.handedness[0])
+    return (shape, local, key), Terminal(row, known, local, None, base)
 
 
 def drawn_matrix(placed: Frames, flip: float) -> Matrix:
@@ -148,16 +167,14 @@ def asset_element(terminal: Terminal, place: Frames | None) -> DrawnElement:
         matrix = multiply(drawn_matrix(place, 0.0), terminal.fragment.matrix)
         return DrawnElement(None, Style(), replace(terminal.fragment, matrix=matrix))
     assert terminal.shape.outline is not None
-    outline = moved(terminal.shape.outline, place)
+    outline = moved(terminal.shape.outline, compose(place, terminal.base))
     points = flipped(outline.kind, outline.coords[..., 0] + 1j * outline.coords[..., 1], 0.0)
     coords = np.stack([points.real, points.imag], axis=-1)
     drawn = Outline(outline.kind, coords, outline.starts, outline.closed)
     return DrawnElement(drawn, moved_style(terminal.style, drawn_matrix(place, 0.0)))
 
 
-def effect_stack(drawing: Drawing, names: tuple[str, ...], flip: float) -> tuple[Effect, ...]:
-    """Effects as a parts file holds them, whose coordinates the canvas does not flip."""
-    lift = translate(0.0, -flip)
-    found = (drawing.effects[name] for name in names)
-    return tuple(replace(each, matrix=multiply(lift, each.matrix)) for each in found)
-
+def effect_in_parts(drawing: Drawing, name: str, flip: float) -> Effect:
+    """An effect as a parts file holds it, whose coordinates the canvas does not flip."""
+    effect = drawing.effects[name]
+    return replace(effect, matrix=multiply(translate(0.0, -flip), effect.matrix))

@@ -102,9 +102,7 @@ class Source:
         """A vector turned by a unit quaternion."""
         w, i, j, k = rotation
         two = tuple(self.multiply(2.0, each) for each in (i, j, k))
-        ii, jj, kk = (
-            self.multiply(a, b) for a, b in zip(two, (i, j, k), strict=True)
-        )
+        ii, jj, kk = (self.multiply(a, b) for a, b in zip(two, (i, j, k), strict=True))
         ij, ik, jk = self.multiply(two[0], j), self.multiply(two[0], k), self.multiply(two[1], k)
         wi, wj, wk = (self.multiply(each, w) for each in two)
         x, y, z = vector

@@ -16,7 +16,12 @@ from ipmlang.runtime import keys
 from ipmlang.runtime.code import compile_values
 
 Given = int | float | bool | str
-PHRASES = {"int": "a whole number", "float": "a number", "bool": "true or false", "string": "a text"}
+PHRASES = {
+    "int": "a whole number",
+    "float": "a number",
+    "bool": "true or false",
+    "string": "a text",
+}
 
 
 def bind(
@@ -52,9 +57,7 @@ def bind(
     return replace(program, strings=tuple(strings)), tuple(values)
 
 
-def _default(
-    program: ir.Program, attr: ir.Attribute, before: list[float], seed: int
-) -> float:
+def _default(program: ir.Program, attr: ir.Attribute, before: list[float], seed: int) -> float:
     code, register = attr.default
     _, single = compile_values(code, (register,))
     k0, k1 = keys.root(seed)
@@ -74,17 +77,16 @@ def _unknown(name: str, names: list[str]) -> Diagnostic:
 
 
 def _mistyped(attr: ir.Attribute, value: Given) -> Diagnostic | None:
+    number = not isinstance(value, bool | str) and math.isfinite(value)
     match attr.type:
         case "string":
             fits = isinstance(value, str)
         case "bool":
             fits = isinstance(value, bool)
         case "int":
-            whole = isinstance(value, int | float) and math.isfinite(value) and value == int(value)
-            fits = whole and not isinstance(value, bool)
+            fits = number and value == int(value)
         case "float":
-            fits = isinstance(value, int | float) and not isinstance(value, bool)
-            fits = fits and math.isfinite(value)
+            fits = number
     if fits:
         return None
     return Diagnostic(

@@ -8,24 +8,17 @@ found by a scan. Nothing is derived here.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ipmlang.compiler import ir
-from ipmlang.runtime import bend, keys, scan
-from ipmlang.runtime.algebra import Operand, Source, cosine_and_sine
-from ipmlang.runtime.code import INFIX, Column, Names, expression, namespace, source
+from ipmlang.runtime.algebra import Operand, Source
+from ipmlang.runtime.code import INFIX, Names, expression, source
 from ipmlang.runtime.fields import IDENTITY
+from ipmlang.runtime.primitives import UnscannableError
 from ipmlang.runtime.scene import SCOPE, SEGMENT
 
 State = dict[str, Operand]
-
-
-class Unscannable(Exception):
-    """Copies follow each other by something that no scan can cut: levelling."""
 
 
 OWN = -1  # the site of what is drawn under the shape's own key
@@ -34,7 +27,8 @@ OWN = -1  # the site of what is drawn under the shape's own key
 @dataclass(frozen=True, slots=True)
 class Scope:
     """The names of one batch: its row count, keys, parameters, the numbers of copies around it, the
-    registers, and the rows that draw (None: all)."""
+    registers, and the rows that draw (None: all).
+    """
 
     count: str
     k0: str
@@ -48,6 +42,11 @@ class Scope:
     def numbers(self) -> str:
         """The copies' numbers, as arguments."""
         return "".join(f", {name}" for _, name in self.copies)
+
+    @property
+    def tuple(self) -> str:
+        """The copies' numbers, as one argument."""
+        return f"({self.numbers[2:]},)" if self.copies else "()"
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,9 +72,7 @@ class Writer:
 
     # ------------------------------------------------------------------------ elements
 
-    def body(
-        self, elements: Sequence[ir.Instruction], scope: Scope, state: State
-    ) -> State:
+    def body(self, elements: Sequence[ir.Instruction], scope: Scope, state: State) -> State:
         """Write the elements of a body; the state after them."""
         saved: list[State] = []
         passed = -1
@@ -209,7 +206,7 @@ class Writer:
         if "angle" in state:
             cosine, sine = write.unit(state["angle"])
             across = write.multiply(y, sine)
-            moved = (
+            moved: tuple[Operand, ...] = (
                 write.subtract(write.multiply(x, cosine), across),
                 write.sum((x, sine), (y, cosine)),
             )
@@ -244,7 +241,7 @@ class Writer:
         if "angle" in state:
             return state
         if self._quiet:
-            raise Unscannable
+            raise UnscannableError
         names = ", ".join(source(state[axis]) for axis in "wijk")
         found = self.source.let(f"level({names}, {source(self._hand(state))})")
         own = {axis: self.source.let(f"{found}[{n}]") for n, axis in enumerate("wijk")}
@@ -265,23 +262,28 @@ class Writer:
         return "(" + "".join(f"{source(each)}, " for each in operands) + ")"
 
     def _draw(
-        self, each: ir.Instruction, scope: Scope, args: list[Operand], symbol: int, site: int,
+        self,
+        each: ir.Instruction,
+        scope: Scope,
+        args: list[Operand],
+        symbol: int,
+        site: int,
         state: State,
     ) -> None:
         if self._quiet:
             return
-        asset, size = SEGMENT, (args[0], 0.0, 0.0) if each.op == "segment" else (0.0, 0.0, 0.0)
+        asset, size = SEGMENT, [args[0], 0.0, 0.0] if each.op == "segment" else [0.0, 0.0, 0.0]
         if each.op == "emit":
             assert isinstance(each.const, int)
             asset = each.const if each.const >= 0 else SCOPE
-            size = (args[0], args[1], args[2]) if len(args) == 3 else size
+            size = args if len(args) == 3 else size
         parts = (self._values(size), self._values(state.values()))
         if self._single:
             key = "k0, k1" if site == OWN else f"*child(k0, k1, {site})"
             what = f"(rule, {symbol}, {asset}, *{parts[0]}, *{parts[1]}, {key})"
             self.slots.append(self._held(f"~run.draw({what})"))
         else:
-            where = f"{scope.k0}, {scope.k1}, {site}, ({scope.numbers[2:]}{',' * bool(scope.copies)})"
+            where = f"{scope.k0}, {scope.k1}, {site}, {scope.tuple}"
             what = f"{scope.count}, rule, {symbol}, {asset}, {parts[0]}, {parts[1]}, {where}"
             self.slots.append(self._held(f"run.draw({what}, {scope.shown})"))
 
@@ -292,7 +294,7 @@ class Writer:
         if self._single:
             made = f"run.make({symbol}, child(k0, k1, {site}), rule, {columns})"
         else:
-            where = f"{scope.k0}, {scope.k1}, {site}, ({scope.numbers[2:]}{',' * bool(scope.copies)})"
+            where = f"{scope.k0}, {scope.k1}, {site}, {scope.tuple}"
             made = f"run.make({scope.count}, {symbol}, rule, {columns}, {where}, {scope.shown})"
         self.slots.append(self._held(made))
 
@@ -369,7 +371,9 @@ class Writer:
     def _gathered(self, each: ir.Instruction, scope: Scope, owner: str, index: str) -> Scope:
         assert isinstance(each.const, int)
         used = set(_read(each.body))
-        copies = tuple((number, self.source.let(f"{name}[{owner}]")) for number, name in scope.copies)
+        copies = tuple(
+            (number, self.source.let(f"{name}[{owner}]")) for number, name in scope.copies
+        )
         shown = None
         for register in each.args[1:]:
             hole = self._taken(scope.registers[register], owner)
@@ -384,8 +388,11 @@ class Writer:
             self.source.let(f"{scope.k0}[{owner}]"),
             self.source.let(f"{scope.k1}[{owner}]"),
             tuple(self._taken(value, owner) for value in scope.params),
-            {number: self._taken(value, owner) for number, value in scope.registers.items()
-             if number in used},
+            {
+                number: self._taken(value, owner)
+                for number, value in scope.registers.items()
+                if number in used
+            },
             (*copies, (each.const, index)),
             rows,
         )
@@ -401,60 +408,3 @@ def _read(body: Iterable[ir.Instruction]) -> Iterable[int]:
     for each in body:
         yield from each.args
         yield from _read(each.body)
-
-
-def take(column: Column, rows: NDArray[np.int64]) -> Column:
-    """Chosen rows of a column; one number for all stays one number."""
-    return column[rows] if isinstance(column, np.ndarray) and column.ndim else column
-
-
-def unit(degrees: Column) -> tuple[Column, Column]:
-    """Cosine and sine of angles in degrees."""
-    if isinstance(degrees, np.ndarray) and degrees.ndim:
-        return scan.unit(degrees)
-    return cosine_and_sine(float(degrees))
-
-
-def normal(w: Column, x: Column, y: Column, z: Column) -> tuple[Column, ...]:
-    """A quaternion of length 1."""
-    length = np.sqrt(np.square(w) + np.square(x) + np.square(y) + np.square(z))
-    return w / length, x / length, y / length, z / length
-
-
-def level(w: Column, i: Column, j: Column, k: Column, hand: Column) -> tuple[Column, ...]:
-    """A rotation rolled about its heading until the left is horizontal."""
-    columns = np.broadcast_arrays(*(np.atleast_1d(each) for each in (w, i, j, k, hand)))
-    rolled = bend.levelled(tuple(columns[:4]), columns[4])
-    if all(not isinstance(each, np.ndarray) for each in (w, i, j, k, hand)):
-        return tuple(float(column[0]) for column in rolled)
-    return rolled
-
-
-def function(
-    lines: Sequence[str], params: Sequence[str], result: str, space: Mapping[str, object]
-) -> Callable[..., object]:
-    """A function of its source."""
-    head = f"def body({', '.join(params)}):"
-    text = "\n    ".join([head, *lines, f"return {result}"])
-    own = dict(space)
-    exec(compile(text, "<production>", "exec"), own)
-    made = own["body"]
-    assert callable(made)
-    return made
-
-
-def names_for(single: bool) -> dict[str, object]:
-    """The names that bodies use."""
-    from ipmlang.runtime.order import Copies
-
-    return {
-        **namespace(single),
-        "child": keys.child_single,
-        "take": take,
-        "unit": cosine_and_sine if single else unit,
-        "normal": normal,
-        "level": level,
-        "copysign": np.copysign,
-        "flatnonzero": np.flatnonzero,
-        "Copies": Copies,
-    }

@@ -1,8 +1,8 @@
 """Python source for value instructions: one function for batches, one for single shapes.
 
-In go straight-line value instructions and the registers that are wanted, out come two functions that
-give the same bits. Constants fold, code that nothing wants is left out. Children, turtles and loops
-over shapes are not here.
+In go straight-line value instructions and the registers that are wanted, out come two functions
+that give the same bits. Constants fold, code that nothing wants is left out. Children, turtles and
+loops over shapes are not here.
 """
 
 from __future__ import annotations
@@ -44,9 +44,7 @@ class Names:
     copies: str = ""  # and after it: the numbers of the copies
 
 
-def expression(
-    each: ir.Instruction, args: Sequence[str | float], names: Names
-) -> str | float:
+def expression(each: ir.Instruction, args: Sequence[str | float], names: Names) -> str | float:
     """The source, or the known number, of one value instruction whose arguments are known."""
     match each.op:
         case "const":
@@ -112,8 +110,7 @@ def as_number(index: Words | int) -> Column:
 def namespace(single: bool) -> dict[str, object]:
     """The names that generated source uses."""
     functions = {
-        f"f_{name}": record.single if single else record.batch
-        for name, record in FUNCTIONS.items()
+        f"f_{name}": record.single if single else record.batch for name, record in FUNCTIONS.items()
     }
     uniform = keys.uniform_single if single else keys.uniform
     return {

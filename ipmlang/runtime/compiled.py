@@ -18,13 +18,11 @@ from ipmlang.runtime.bodies import (
     Scope,
     Setting,
     State,
-    Unscannable,
     Writer,
-    function,
-    names_for,
 )
 from ipmlang.runtime.choose import OVER, told
 from ipmlang.runtime.code import Names, compile_values, expression, needed, source
+from ipmlang.runtime.primitives import UnscannableError, function, names_for
 
 Body: TypeAlias = Callable[..., tuple[object, ...]]
 Choose: TypeAlias = Callable[[tuple[float, ...], int, int], int]
@@ -70,7 +68,8 @@ class Compiled:
 
     def body(self, number: int, single: bool = False) -> Body:
         """body(run, rule, count, k0, k1, *params, *state) -> slots of a batch, or without `count`
-        the items of one shape."""
+        the items of one shape.
+        """
         found = self._bodies.get((number, single))
         if found is None:
             production = self.production(number)
@@ -169,9 +168,7 @@ class Compiled:
                     taken = number
             if total > OVER:
                 name = told(self._program, first)
-                raise fail(
-                    "percent-over", f"the percentages of {name} add up to {total * 100:g}"
-                )
+                raise fail("percent-over", f"the percentages of {name} add up to {total * 100:g}")
             return taken
 
         return choose
@@ -223,7 +220,7 @@ class Compiled:
         scope = _scope(production.parameters)
         try:
             writer.chain(production.body, scope, self._state())
-        except Unscannable:
+        except UnscannableError:
             return None
         assert writer.ended is not None
         head = ["run", "rule", "n", "counts", "owner", "k0", "k1"]
@@ -258,7 +255,11 @@ class Compiled:
             "    note_k0(k0)",
             "    note_k1(k1)",
             *(f"    {line}" for line in values),
-            *([f"    {', '.join(params)}, = {', '.join(map(source, following))}," ] if count else []),
+            *(
+                [f"    {', '.join(params)}, = {', '.join(map(source, following))},"]
+                if count
+                else []
+            ),
             *(f"    {line}" for line in _next_key(site)),
         ]
         columns = "".join(f"q{number}, " for number in range(count))
@@ -271,9 +272,7 @@ class Compiled:
     ) -> tuple[list[str], list[str | float]]:
         write = Source()
         write.name = lambda: f"t{len(write.lines)}_{outputs[0] if outputs else 0}"  # type: ignore[method-assign]
-        names = Names(
-            lambda i: f"p{i}", lambda i: self._setting.attrs[i], lambda i: "", "k0, k1"
-        )
+        names = Names(lambda i: f"p{i}", lambda i: self._setting.attrs[i], lambda i: "", "k0, k1")
         wanted = needed(instructions, outputs)
         values: dict[int, str | float] = {}
         for each in instructions:
@@ -290,6 +289,8 @@ def _quick(each: ir.Instruction, args: list[str | float]) -> str | None:
     if each.op != "call" or name not in ("lt", "gt") or not any(isinstance(a, str) for a in args):
         return None
     low, high = [source(arg) for arg in (args if name == "lt" else args[::-1])]
+    if "0.0" in (low, high):
+        return f"({low} < {high})"  # nothing but 0 itself is close to 0
     return f"({high} - {low} > 1e-9 * (abs({low}) + abs({high})) or f_lt({low}, {high}))"
 
 

@@ -71,7 +71,11 @@ class Copying:
             start = (before["x"], before["y"], before["angle"], scale)
             steps = (own["x"], own["y"], own["angle"], factor)
             after = dict(
-                zip(("x", "y", "angle", "scale"), scan.planar_chain(*steps, counts, start), strict=True)
+                zip(
+                    ("x", "y", "angle", "scale"),
+                    scan.planar_chain(*steps, counts, start),
+                    strict=True,
+                )
             )
         else:
             found = scan.chain(_frames(own, factor), _frames(before, scale), counts)
@@ -90,7 +94,10 @@ class Copying:
         return _split(counts, _full(state, len(counts)), _full(step, count))
 
     def _both(
-        self, names: list[str], counts: Numbers, before: Mapping[str, NDArray[np.float64]],
+        self,
+        names: list[str],
+        counts: Numbers,
+        before: Mapping[str, NDArray[np.float64]],
         after: Mapping[str, NDArray[np.float64]],
     ) -> tuple[dict[str, Column], dict[str, Column]]:
         pairs = {name: _split(counts, before[name], after[name]) for name in names}

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import NDArray
 
 from ipmlang.runtime import keys, scan
 from ipmlang.runtime.assemble import TEXT_FIELDS, Rows
@@ -19,13 +20,16 @@ from ipmlang.runtime.code import Column
 from ipmlang.runtime.keys import Words
 
 Places = NDArray[np.int32]
+Values = TypeVar("Values", bound="float | NDArray[np.generic]")
+Scalar = TypeVar("Scalar", bound=np.generic)
 
 
 @dataclass(slots=True, eq=False)
 class Chunk:
     """Drawings `start` .. `start + count`. Columns are one number or one a row of the batch that
     drew; `rows` are those of the batch that did (None: all). The key of each is the child of (k0,
-    k1) at `site`, in the copies, or those words themselves."""
+    k1) at `site`, in the copies, or those words themselves.
+    """
 
     start: int
     count: int
@@ -40,15 +44,16 @@ class Chunk:
     copies: tuple[Words, ...] = ()
     rows: NDArray[np.int64] | None = None
 
-    def column(self, value: object) -> object:
+    def column(self, value: Values) -> Values:
         """A column's values for the rows that drew."""
         if self.rows is None or not isinstance(value, np.ndarray):
             return value
-        return value[self.rows]
+        chosen: Values = value[self.rows]
+        return chosen
 
     def key(self) -> NDArray[np.uint64]:
-        """The keys, packed."""
-        words = [np.asarray(self.column(each)) for each in (self.k0, self.k1, *self.copies)]
+        """The keys of what was drawn, packed."""
+        words = [self.column(each) for each in (self.k0, self.k1, *self.copies)]
         if self.site == OWN:
             return keys.packed(words[0], words[1])
         return keys.packed(*keys.child(words[0], words[1], self.site, *words[2:]))
@@ -58,7 +63,7 @@ def rows(chunks: Sequence[Chunk], places: Places, initial: dict[str, float]) -> 
     """All drawings in the order of their places (n,); `initial` are the state's fields."""
     columns = _Columns(chunks, places)
     count = len(places)
-    key = columns.filled(np.uint64, lambda chunk: chunk.key())
+    key = columns.keys()
     for chunk in chunks:
         chunk.k0 = chunk.k1 = np.zeros(0, np.uint32)
         chunk.copies = ()
@@ -68,13 +73,11 @@ def rows(chunks: Sequence[Chunk], places: Places, initial: dict[str, float]) -> 
     texts = {name: columns.field(name, np.int32, -1) for name in TEXT_FIELDS if name in initial}
     color = columns.field("color", np.int32, -1)
     position = np.zeros((count, 3))
-    for axis, name in enumerate("xyz"):
-        if name in initial:
-            columns.write(position[:, axis], lambda chunk, name=name: chunk.state.pop(name))
+    axes = "xy" if "angle" in initial else "xyz"
+    columns.rows(position, lambda chunk: [chunk.state.pop(name) for name in axes])
     rotation = _rotation(columns, count, "angle" in initial)
     size = np.zeros((count, 3))
-    for axis in range(3):
-        columns.write(size[:, axis], lambda chunk, axis=axis: chunk.size[axis])
+    columns.rows(size, _size)
     return Rows(
         position,
         rotation,
@@ -95,8 +98,7 @@ def rows(chunks: Sequence[Chunk], places: Places, initial: dict[str, float]) -> 
 def _rotation(columns: _Columns, count: int, planar: bool) -> NDArray[np.float64]:
     rotation = np.zeros((count, 4))
     if not planar:
-        for axis, name in enumerate("wijk"):
-            columns.write(rotation[:, axis], lambda chunk, name=name: chunk.state.pop(name))
+        columns.rows(rotation, lambda chunk: [chunk.state.pop(name) for name in "wijk"])
         for start in range(0, count, 1 << 16):
             part = rotation[start : start + (1 << 16)]
             part /= np.sqrt(np.einsum("ij,ij->i", part, part))[:, None]
@@ -115,21 +117,60 @@ class _Columns:
         self._chunks = chunks
         self._places = places
 
-    def write(self, out: NDArray[np.generic], value: Callable[[Chunk], object]) -> None:
+    def keys(self) -> NDArray[np.uint64]:
+        """The keys of all drawings."""
+        out = np.empty(len(self._places), np.uint64)
+        for chunk in self._chunks:
+            if chunk.count:
+                out[self._places[chunk.start : chunk.start + chunk.count]] = chunk.key()
+        return out
+
+    def write(
+        self,
+        out: NDArray[np.generic],
+        value: Callable[[Chunk], float | NDArray[np.generic]],
+    ) -> None:
         """Put a column of all chunks into place."""
         for chunk in self._chunks:
             if chunk.count:
                 found = chunk.column(value(chunk))
                 out[self._places[chunk.start : chunk.start + chunk.count]] = found
 
-    def filled(self, kind: DTypeLike, value: Callable[[Chunk], object]) -> NDArray[np.generic]:
+    def rows(self, out: NDArray[np.float64], values: Callable[[Chunk], Sequence[Column]]) -> None:
+        """Put the first columns of a table of all chunks into place, a whole row at a time."""
+        for chunk in self._chunks:
+            if not chunk.count:
+                continue
+            found = [chunk.column(value) for value in values(chunk)]
+            places = self._places[chunk.start : chunk.start + chunk.count]
+            if len(found) == 1:
+                out[places, 0] = found[0]
+                continue
+            block = np.zeros((chunk.count, out.shape[1]))
+            for axis, column in enumerate(found):
+                block[:, axis] = column
+            out[places] = block
+
+    def filled(
+        self, kind: type[Scalar], value: Callable[[Chunk], float | NDArray[np.generic]]
+    ) -> NDArray[Scalar]:
         """A new column."""
+        values = [value(chunk) for chunk in self._chunks if chunk.count]
+        if values and all(isinstance(each, int | float) and each == values[0] for each in values):
+            return np.full(len(self._places), values[0], kind)
         out = np.empty(len(self._places), kind)
-        self.write(out, value)
+        waiting = iter(values)
+        self.write(out, lambda chunk: next(waiting))
         return out
 
-    def field(self, name: str, kind: DTypeLike, default: float) -> NDArray[np.generic]:
+    def field(self, name: str, kind: type[Scalar], default: float) -> NDArray[Scalar]:
         """A new column of a field of the state, which may not be there."""
         if not any(name in chunk.state for chunk in self._chunks):
             return np.full(len(self._places), default, kind)
         return self.filled(kind, lambda chunk: chunk.state.pop(name))
+
+
+def _size(chunk: Chunk) -> Sequence[Column]:
+    """The sizes that are not 0 throughout, from the first axis on."""
+    plain = all(isinstance(value, float) and value == 0.0 for value in chunk.size[1:])
+    return chunk.size[:1] if plain else chunk.size

@@ -19,7 +19,8 @@ IDENTITY = {"w": 1.0, "scale": 1.0}  # all other fields of a frame are 0
 
 def fields(program: ir.Program) -> dict[str, float]:
     """Each field with its value at the start: the frame, `scale` (signed: negative in a mirrored
-    frame), `layer`, and the pen's fields, NaN or -1 where nothing is set."""
+    frame), `layer`, and the pen's fields, NaN or -1 where nothing is set.
+    """
     found = dict.fromkeys(PLANE if program.flat else SPACE, 0.0)
     if not program.flat:
         upright = (1.0, 0.0, 0.0, 0.0) if program.abop else UPRIGHT

@@ -20,6 +20,12 @@ from ipmlang.runtime.order import Copies, Made, Order, Record, Slot
 
 SHAPE_BYTES = 130  # of a shape that waits
 DRAWING_BYTES = 300  # of a drawing, until the instance table stands
+UNITS = {
+    "shapes": "shapes",
+    "steps": "steps",
+    "depth": "generations, one below the other",
+    "memory": "bytes of memory",
+}
 LONGEST = 8  # names in a trail, at each end
 
 
@@ -51,7 +57,7 @@ class Counted:
         start = self.shapes
         self.shapes += count
         if self.shapes > self._limits.shapes:
-            self._stop("shapes", self._limits.shapes, self.shapes, "shapes")
+            self._stop("shapes", self._limits.shapes, self.shapes)
         self._remember()
         return start
 
@@ -59,20 +65,20 @@ class Counted:
         """Count drawings."""
         self._drawings += count
         if self._drawings + self.shapes > 2 * self._limits.shapes:
-            self._stop("shapes", self._limits.shapes, self._drawings, "drawings")
+            self._stop("shapes", self._limits.shapes, self._drawings)
         self._remember()
 
     def copy(self, count: float) -> None:
         """Check copies that are about to be made."""
         if self.shapes + count > self._limits.shapes:
-            self._stop("shapes", self._limits.shapes, int(min(self.shapes + count, 2**62)), "shapes")
+            self._stop("shapes", self._limits.shapes, int(min(self.shapes + count, 2**62)))
 
     def deep(self, depth: int, rule: int) -> None:
         """Check how many generations there are, one below the other."""
         bound, kind = min((self._limits.steps, "steps"), (self._limits.depth, "depth"))
         if depth > bound:
             self.rule = rule
-            self._stop(kind, bound, depth, "steps" if kind == "steps" else "generations deep")
+            self._stop(kind, bound, depth)
 
     def room(self, depth: int) -> int:
         """How many generations may still follow, and one more."""
@@ -80,11 +86,17 @@ class Counted:
         return max(0, min(left, self._limits.shapes - self.shapes)) + 1
 
     def error(
-        self, code: str, message: str, *, hint: str | None = None, shape: int | None = None
+        self,
+        code: str,
+        message: str,
+        *,
+        hint: str | None = None,
+        shape: int | None = None,
+        row: int = 0,
     ) -> IpmError:
-        """An error at the rule that is applied now, or at a shape."""
+        """An error at a shape, or at the rule that is applied now and a row of its batch."""
         if shape is None:
-            shape = int(self.now[0]) if len(self.now) else self._one
+            shape = int(self.now[min(row, len(self.now) - 1)]) if len(self.now) else self._one
             rule = self._program.axiom if self.rule < 0 else self._program.productions[self.rule]
             message = f"{told(self._program, rule)}: {message}"
         trail = None if self.trail is None else self.trail.to(shape)
@@ -93,15 +105,19 @@ class Counted:
     def _remember(self) -> None:
         needed = self.shapes * SHAPE_BYTES + self._drawings * DRAWING_BYTES
         if needed > self._limits.memory:
-            self._stop("memory", self._limits.memory, needed, "bytes")
+            self._stop("memory", self._limits.memory, needed)
 
-    def _stop(self, kind: str, limit: int, reached: int, unit: str) -> None:
+    def _stop(self, kind: str, limit: int, reached: int) -> None:
+        unit = UNITS[kind]
         raise self.error(
             f"limit-{kind}",
-            f"the derivation stopped at its limit of {limit:,} {kind}: it would come to "
-            f"{reached:,} {unit}",
+            f"the derivation stopped at its limit of {limit:,} {unit}: this would bring it to "
+            f"{reached:,}",
             hint=f"a guard or `steps` ends the growth; `limit {kind}` raises the limit",
         )
+
+
+Around = tuple[tuple[Copies, ...], Record]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,10 +130,11 @@ class Trail:
     def to(self, shape: int) -> str:
         """`start > Lot > Floor[3] > Tile[7]`, shortened in the middle."""
         begins = [begin for begin, _ in self.names()]
+        parents = _Parents(self.order)
         parts: list[str] = []
-        while shape > 0 and len(parts) < 10_000:
+        while shape > 0:
             name = self.names()[bisect_right(begins, shape) - 1][1]
-            shape, copy = self._parent(shape)
+            shape, copy = parents.of(shape)
             parts.append(name if copy is None else f"{name}[{copy}]")
         parts.append("start")
         parts.reverse()
@@ -125,29 +142,43 @@ class Trail:
             parts = [*parts[:LONGEST], "…", *parts[-LONGEST:]]
         return " > ".join(parts)
 
-    def _parent(self, shape: int) -> tuple[int, int | None]:
-        for record in self.order.records:
+
+class _Parents:
+    """Who made each shape, found when an error asks for it."""
+
+    def __init__(self, order: Order) -> None:
+        self._traced: dict[int, int] = {}
+        self._made: list[tuple[int, Made, Around]] = []
+        open_trace = () if order.open is None else (order.open,)
+        for record in (*order.records, *open_trace):
             if isinstance(record, Record):
-                found = _find(record.slots, shape)
-                if found is not None:
-                    return int(record.shapes[found[0]]), found[1]
-            elif record.first <= shape < record.last:
-                for parent, items in record.steps:
-                    if shape in items:
-                        return parent, None
-        return 0, None
+                self._note(record.slots, ((), record))
+            else:
+                self._traced.update(
+                    (item, parent) for parent, items in record.steps for item in items if item > 0
+                )
+        self._made.sort(key=lambda each: each[0])
+        self._begins = [begin for begin, _, _ in self._made]
 
+    def of(self, shape: int) -> tuple[int, int | None]:
+        """The shape that made a shape, and the number of its copy in a repeat."""
+        if shape in self._traced:
+            return self._traced[shape], None
+        place = bisect_right(self._begins, shape) - 1
+        if place < 0 or shape >= self._begins[place] + self._made[place][1].count:
+            return 0, None
+        begin, made, (copies, record) = self._made[place]
+        row = int(shape - begin if made.rows is None else made.rows[shape - begin])
+        copy = None
+        for each in reversed(copies):
+            owner = int(each.owner[row])
+            copy = row - int(np.searchsorted(each.owner, owner)) if copy is None else copy
+            row = owner
+        return int(record.shapes[row]), copy
 
-def _find(slots: Sequence[Slot], shape: int) -> tuple[int, int | None] | None:
-    """The row that made a shape, and the number of its copy."""
-    for slot in slots:
-        if isinstance(slot, Made) and slot.start <= shape < slot.start + slot.count:
-            row = shape - slot.start
-            return int(row if slot.rows is None else slot.rows[row]), None
-        if isinstance(slot, Copies):
-            found = _find(slot.slots, shape)
-            if found is not None:
-                owner = int(slot.owner[found[0]])
-                first = int(np.searchsorted(slot.owner, owner))
-                return owner, found[0] - first
-    return None
+    def _note(self, slots: Sequence[Slot], around: Around) -> None:
+        for slot in slots:
+            if isinstance(slot, Copies):
+                self._note(slot.slots, ((*around[0], slot), around[1]))
+            elif isinstance(slot, Made) and slot.count:
+                self._made.append((slot.start, slot, around))

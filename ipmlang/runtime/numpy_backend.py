@@ -1,7 +1,9 @@
-"""The frontier as a back end: which programs it can run, and their scenes.
+"""The frontier as a back end: which programs it runs, and their scenes.
 
 In go a program with attribute values, out comes a scene, or None where modules thread, bend or fill
-polygons across rules: those are derived as strings, with the same keys.
+polygons across rules: those are derived as strings, with the same keys. So are long texts that are
+mostly read once, such as a drawing whose elements all stand in the axiom: writing and compiling
+Python costs more than it saves there.
 """
 
 from __future__ import annotations
@@ -14,13 +16,14 @@ from ipmlang.compiler import ir
 from ipmlang.compiler.ops import FUNCTIONS
 from ipmlang.runtime import drawings
 from ipmlang.runtime.assemble import scene
-from ipmlang.runtime.bodies import Unscannable
 from ipmlang.runtime.fields import fields
 from ipmlang.runtime.frontier import Frontier
+from ipmlang.runtime.primitives import UnscannableError
 from ipmlang.runtime.scene import Scene
 from ipmlang.runtime.strings import steps_of
 from ipmlang.runtime.values import Bound
 
+LONG = 500  # modules in all bodies; compiling one takes about 0.2 ms, a string 10 us
 TEXTUAL = frozenset({"polygon_open", "polygon_close", "vertex", "cut", "uniform"})
 
 
@@ -31,7 +34,7 @@ def derive_frontier(
 
     Raises IpmError where a limit is reached, no production applies, or a number is not finite.
     """
-    if not is_independent(program):
+    if not is_independent(program) or _modules(program) > LONG:
         return None
     bound = Bound(program, attrs, FUNCTIONS)
     initial = fields(program)
@@ -39,7 +42,7 @@ def derive_frontier(
     with np.errstate(all="ignore"):  # what is not finite is an error, not a warning
         try:
             frontier.run(seed)
-        except Unscannable:
+        except UnscannableError:
             return None
         places = frontier.order.places(frontier.shapes, frontier.drawings)
         frontier.order.records.clear()
@@ -56,6 +59,15 @@ def derive_frontier(
 def is_independent(program: ir.Program) -> bool:
     """Whether nothing needs the string: no thread, no context, no tropism, no polygon."""
     return not program.threaded and program.tropism is None and not (TEXTUAL & set(_ops(program)))
+
+
+def _modules(program: ir.Program) -> int:
+    """How many modules stand in all bodies."""
+    return sum(_count(each.body) for each in (*program.productions, program.axiom))
+
+
+def _count(body: Sequence[ir.Instruction]) -> int:
+    return sum(1 if each.op == "module" else _count(each.body) for each in body)
 
 
 def _ops(program: ir.Program) -> Iterator[str]:

@@ -1,8 +1,9 @@
 """Where everything stands in the order of the derivation, found once at the end.
 
-In go the records of all applications: for each batch of shapes the slots of its body, in order, with
-what was drawn or made there; out comes the row of every drawn thing. Shapes are weighed from the last
-record to the first, places handed down from the first to the last: no loop goes over shapes.
+In go the records of all applications: for each batch of shapes the slots of its body, in order,
+with what was drawn or made there; out comes the row of every drawn thing. Shapes are weighed from
+the last record to the first, places handed down from the first to the last: no loop goes over
+shapes but that of a trace.
 """
 
 from __future__ import annotations
@@ -59,7 +60,8 @@ class Record:
 @dataclass(frozen=True, slots=True, eq=False)
 class Trace:
     """Shapes derived one by one: `first` .. `last` were made, and for each application its shape
-    and its items, a shape's number or ~drawing."""
+    and its items, a shape's number or ~drawing.
+    """
 
     first: int
     last: int
@@ -67,10 +69,13 @@ class Trace:
 
 
 class Order:
-    """The records of a derivation, in the order of the applications."""
+    """The records of a derivation, in the order of the applications; `open` is the one that is
+    still being written, if any.
+    """
 
     def __init__(self) -> None:
         self.records: list[Record | Trace] = []
+        self.open: Trace | None = None
 
     def places(self, shapes: int, drawings: int) -> NDArray[np.int32]:
         """The row (drawings,) of each drawing; shape 0 is the axiom."""
@@ -80,14 +85,13 @@ class Order:
                 _weigh_trace(record, weights)
             else:
                 weights[record.shapes] = _weigh(record.slots, len(record.shapes), weights)
-        begins = weights  # overwritten shape by shape, always after its weight was read
-        begins_of = np.zeros(shapes, np.int32)
+        begins = np.zeros(shapes, np.int32)
         places = np.empty(drawings, np.int32)
         for record in self.records:
             if isinstance(record, Trace):
-                _lay_trace(record, weights, begins_of, places)
+                _lay_trace(record, weights, begins, places)
             else:
-                _lay(record.slots, begins_of[record.shapes], begins, begins_of, places)
+                _lay(record.slots, begins[record.shapes], weights, begins, places)
         return places
 
 
@@ -109,7 +113,8 @@ def _weigh(slots: Sequence[Slot], count: int, weights: Weights) -> Weights:
 def _sums(values: Weights, counts: Numbers) -> Weights:
     before = np.append(0, np.cumsum(values, dtype=np.int64))
     ends = np.cumsum(counts)
-    return (before[ends] - before[ends - counts]).astype(np.int32)
+    sums: Weights = (before[ends] - before[ends - counts]).astype(np.int32)
+    return sums
 
 
 def _lay(

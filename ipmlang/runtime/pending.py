@@ -17,13 +17,15 @@ from ipmlang.runtime.code import Column
 from ipmlang.runtime.keys import Words
 
 CHUNK = 16_384
+FINAL = 1 << 40  # the generation of what only its meaning is left of
 Key = tuple[int, int]  # symbol, generation
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shapes:
     """`count` shapes of one symbol: their numbers, key words, arguments and states as columns;
-    `rule` the production that made them, a number or (count,)."""
+    `rule` the production that made them, a number or (count,).
+    """
 
     count: int
     numbers: NDArray[np.int32]

@@ -1,4 +1,4 @@
-"""One probe for each feature that an SVG reader gets wrong: what is drawn, where, in which style."""
+"""One probe for each feature that an SVG reader may get wrong: what is drawn, where, how."""
 
 from __future__ import annotations
 
@@ -123,7 +123,8 @@ def test_preserve_aspect_ratio() -> None:
 def test_nested_viewport_keeps_its_size_to_itself() -> None:
     """Percentages inside refer to the inner viewBox, those after it to the outer one."""
     body = (
-        '<svg x="300" width="50" height="50" viewBox="0 0 10 10"><rect width="50%" height="50%"/></svg>'
+        '<svg x="300" width="50" height="50" viewBox="0 0 10 10">'
+        '<rect width="50%" height="50%"/></svg>'
         '<rect width="50%" height="50%"/>'
     )
     assert boxes(body) == [[300, 0, 25, 25], [0, 0, 200, 100]]
@@ -139,8 +140,8 @@ def test_nested_viewport_clips_only_what_sticks_out() -> None:
 
 @pytest.mark.parametrize(
     ("width", "expected"),
-    [("1in", 96), ("2.54cm", 96), ("25.4mm", 96), ("72pt", 96), ("6pc", 96), ("3px", 3), ("2em", 20),
-     ("2ex", 10), ("25%", 100), ("1e1", 10)],
+    [("1in", 96), ("2.54cm", 96), ("25.4mm", 96), ("72pt", 96), ("6pc", 96), ("3px", 3),
+     ("2em", 20), ("2ex", 10), ("25%", 100), ("1e1", 10)],
 )  # fmt: skip
 def test_units(width: str, expected: float) -> None:
     """Absolute units at 96 to the inch, relative ones by font size and viewport."""
@@ -237,7 +238,8 @@ def test_gradient_fill() -> None:
     """A gradient is kept, hrefs resolved, with the map from its box to the world."""
     body = (
         '<linearGradient id="a"><stop offset="0" stop-color="red"/>'
-        '<stop offset="50%" style="stop-color:currentColor;stop-opacity:.5" color="blue"/></linearGradient>'
+        '<stop offset="50%" style="stop-color:currentColor;stop-opacity:.5" color="blue"/>'
+        "</linearGradient>"
         '<linearGradient id="b" href="#a" gradientTransform="translate(.5)"/>'
         '<g transform="scale(2)"><rect x="10" y="20" width="30" height="40" fill="url(#b)"/></g>'
     )
@@ -360,7 +362,8 @@ def test_switch_takes_the_first_that_holds() -> None:
     """By language; what no condition excludes holds."""
     body = (
         '<switch><rect systemLanguage="de" width="1" height="1"/>'
-        '<rect systemLanguage="fr, en-GB" width="2" height="2"/><rect width="3" height="3"/></switch>'
+        '<rect systemLanguage="fr, en-GB" width="2" height="2"/>'
+        '<rect width="3" height="3"/></switch>'
         '<rect systemLanguage="de" width="4" height="4"/>'
     )
     assert boxes(body) == [[0, 0, 2, 2]]

@@ -1,7 +1,7 @@
 """From checked files to a program: rule families end here.
 
-In go the main file's unit and those it imports, all checked; out comes `ir.Program`, which executors
-run. What is reachable and not executable yet is reported operation by operation.
+In go the main file's unit and those it imports, all checked; out comes `ir.Program`, which
+executors run. What is reachable and not executable yet is reported operation by operation.
 """
 
 from __future__ import annotations

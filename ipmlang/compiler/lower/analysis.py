@@ -49,9 +49,7 @@ class Analysis:
             or any(self._read(each.body, live=False)[0] for each in productions)
         )
 
-    def _own_bodies(
-        self, symbol: ir.Symbol, stepped: bool
-    ) -> list[tuple[ir.Instruction, ...]]:
+    def _own_bodies(self, symbol: ir.Symbol, stepped: bool) -> list[tuple[ir.Instruction, ...]]:
         """All that a module of a symbol may become, its meaning included where that may be left."""
         numbers = symbol.productions + symbol.interpretation
         bodies = [self._productions[number].body for number in numbers]
@@ -74,7 +72,8 @@ class Analysis:
 
     def _read(self, body: Sequence[ir.Instruction], live: bool) -> tuple[bool, bool]:
         """Whether a body threads when the state is live, or not, at its end; whether it is live at
-        its start."""
+        its start.
+        """
         threads = False
         after: list[bool] = []
         for each in reversed(body):

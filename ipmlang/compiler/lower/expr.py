@@ -111,7 +111,9 @@ class Code:
         """An error at a place of the item that is lowered."""
         return self.unit.error(self.item, span, code, message, hint)
 
-    def module(self, symbol: int, args: Sequence[Operand] = (), span: ast.Span = ast.NOWHERE) -> None:
+    def module(
+        self, symbol: int, args: Sequence[Operand] = (), span: ast.Span = ast.NOWHERE
+    ) -> None:
         """A child, or a command to the turtle."""
         registers = tuple(self.register(arg) for arg in args)
         place = (span.start, span.end)

@@ -117,9 +117,7 @@ class Body:
             self._step(inner, repeat, copy)
         code.repeat(number, args, inner, repeat.span)
 
-    def _rows(
-        self, code: Code, rows: ast.Rows, copy: Load, names: dict[str, Binding]
-    ) -> Operand:
+    def _rows(self, code: Code, rows: ast.Rows, copy: Load, names: dict[str, Binding]) -> Operand:
         """Bind a row's variable; the number of rows."""
         found = self._namer.table(code.unit, rows.table)
         if found is None:

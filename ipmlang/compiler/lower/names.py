@@ -29,7 +29,8 @@ class Place:
 @dataclass(slots=True, eq=False)
 class Unit:
     """One parsed file. `prefix` is what the main file puts before its names (`roofs.`); `imports`
-    finds the units it imports by their names there."""
+    finds the units it imports by their names there.
+    """
 
     grammar: ast.Grammar
     source: Source

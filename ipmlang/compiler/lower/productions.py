@@ -23,7 +23,11 @@ def production(
 ) -> ir.Production:
     """The production of a rule."""
     counter = Counter()
-    modules = [*_modules(rule.head.left), rule.head, *_modules(rule.head.right)]
+    modules: list[ast.ContextModule | ast.Head] = [
+        *_modules(rule.head.left),
+        rule.head,
+        *_modules(rule.head.right),
+    ]
     parameters = [each.name for module in modules for each in module.parameters]
     names = {name: Load("param", number) for number, name in enumerate(parameters)}
     guard, chance = None, None
@@ -32,8 +36,10 @@ def production(
         guard = _value(Code(pool, unit, item, counter), rule.guard, names)
     if rule.chance is not None:
         counter.site = CHANCE_SITE
-        code, register = _value(Code(pool, unit, item, counter), rule.chance.value, names)
-        chance = (rule.chance.kind, code, register)
+        chance = (
+            rule.chance.kind,
+            *_value(Code(pool, unit, item, counter), rule.chance.value, names),
+        )
     counter.site = 0
     code = Code(pool, unit, item, counter)
     Body(namer).write(code, rule.body, names)
@@ -93,9 +99,7 @@ def _patterns(namer: Namer, unit: Unit, context: ast.Context | None) -> tuple[ir
     return () if context is None else tuple(_pattern(namer, unit, each) for each in context.modules)
 
 
-def _pattern(
-    namer: Namer, unit: Unit, module: ast.ContextModule | ast.ContextBranch
-) -> ir.Pattern:
+def _pattern(namer: Namer, unit: Unit, module: ast.ContextModule | ast.ContextBranch) -> ir.Pattern:
     if isinstance(module, ast.ContextBranch):
         return ir.Pattern(-1, 0, tuple(_pattern(namer, unit, each) for each in module.modules))
     arity = len(module.parameters)

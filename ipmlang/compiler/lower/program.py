@@ -1,7 +1,7 @@
 """A whole program: from its start, every symbol, rule, asset and table that it reaches.
 
 In go units with their names found, out comes a program. What no executor runs yet is collected and
-reported at once, each with its place, when it can be reached; what cannot be reached is not lowered.
+reported at once, each with its place, when it can be reached; what cannot be is not lowered.
 """
 
 from __future__ import annotations
@@ -101,7 +101,9 @@ class Lowering:
         if key not in self._numbers:
             number = self._add(key, ir.Symbol(shown, arity))
             if asset is not None and place is not None:
-                self._give(number, (ir.Instruction("emit", const=self._asset(place.unit, own, asset)),))
+                self._give(
+                    number, (ir.Instruction("emit", const=self._asset(place.unit, own, asset)),)
+                )
             elif record is not None and steps is not None:
                 self._give(number, *self._meanings.of(record, arity, steps))
             if rules:
@@ -161,7 +163,11 @@ class Lowering:
         )
 
     def _alternatives(
-        self, number: int, arity: int, unit: Unit, named: dict[str, list[int]],
+        self,
+        number: int,
+        arity: int,
+        unit: Unit,
+        named: dict[str, list[int]],
         spellings: tuple[str, ...],
     ) -> tuple[int, ...]:
         items = sorted(item for each in spellings for item in named.get(each, ()))

@@ -71,7 +71,9 @@ def _attribute(pool: Pool, unit: Unit, number: int, item: ast.Attr) -> ir.Attrib
     low = high = None
     choices: tuple[str | float, ...] = ()
     if isinstance(item.allowed, ast.Range):
-        low, high = (_bound(pool, unit, number, end) for end in (item.allowed.low, item.allowed.high))
+        low, high = (
+            _bound(pool, unit, number, end) for end in (item.allowed.low, item.allowed.high)
+        )
     elif isinstance(item.allowed, ast.Choices):
         choices = tuple(
             value.value if isinstance(value, ast.Text) else _number(pool, unit, number, value)

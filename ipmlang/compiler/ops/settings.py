@@ -17,7 +17,7 @@ TABLE = (
                   None, words=("abop",)),
     SettingRecord("limit", "shapes", "int", "Most shapes that a derivation may make in all.",
                   50_000_000.0, above=0),
-    SettingRecord("limit", "steps", "int", "Most generations.", 100_000.0, above=0),
+    SettingRecord("limit", "steps", "int", "Most generations.", 200_000.0, above=0),
     SettingRecord("limit", "depth", "int", "Greatest depth of the derivation tree.",
                   200_000.0, above=0),
     SettingRecord("limit", "memory", "int", "Most bytes, beyond what the process had at its start.",

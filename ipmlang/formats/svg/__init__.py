@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from ipmlang.formats.svg.compound import split_compound
 from ipmlang.formats.svg.limits import Limits
-from ipmlang.formats.svg.reading import read_node, read_svg, svg_ids
+from ipmlang.formats.svg.reading import read_node, read_nodes, read_svg, svg_ids
 from ipmlang.formats.svg.tables import Table, read_table, table_xml
 
 __all__ = [
     "Limits",
     "Table",
     "read_node",
+    "read_nodes",
     "read_svg",
     "read_table",
     "split_compound",

@@ -51,6 +51,37 @@ def _on_ellipse(coords: Floats, angle: Floats) -> Floats:
     return coords[:, 0] + cosine * coords[:, 1] + sine * coords[:, 2]
 
 
+def segment_tangents(kind: NDArray[np.uint8], coords: Floats) -> tuple[Floats, Floats]:
+    """Unit directions in which segments leave and arrive, (n, 2) each; zero for a mere point."""
+    first, last = segment_ends(kind, coords)
+    leave, arrive = np.zeros_like(first), np.zeros_like(first)
+    for row in (1, 2, 3):
+        used = (kind >= row) & (kind != ARC)
+        # The nearest control point that is not the end itself gives the direction.
+        out = np.where(used[:, None], coords[:, row] - first, 0.0)
+        leave = np.where((leave == 0).all(axis=1, keepdims=True), out, leave)
+        back = np.clip(kind.astype(np.intp) - row, 0, 3)
+        into = np.where(used[:, None], last - coords[np.arange(len(kind)), back], 0.0)
+        arrive = np.where((arrive == 0).all(axis=1, keepdims=True), into, arrive)
+    arcs = kind == ARC
+    if arcs.any():
+        rows = coords[arcs]
+        start, sweep = rows[:, 3, 0], rows[:, 3, 1]
+        leave[arcs] = _along_ellipse(rows, start, sweep)
+        arrive[arcs] = _along_ellipse(rows, start + sweep, sweep)
+    return _unit(leave), _unit(arrive)
+
+
+def _along_ellipse(coords: Floats, angle: Floats, sweep: Floats) -> Floats:
+    cosine, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]
+    return np.sign(sweep)[:, None] * (cosine * coords[:, 2] - sine * coords[:, 1])
+
+
+def _unit(ways: Floats) -> Floats:
+    lengths = np.hypot(ways[:, 0], ways[:, 1])[:, None]
+    return np.divide(ways, lengths, out=np.zeros_like(ways), where=lengths > 0)
+
+
 def segment_boxes(kind: NDArray[np.uint8], coords: Floats) -> Floats:
     """(n, 4): the exact box of each segment."""
     first, last = segment_ends(kind, coords)

@@ -29,7 +29,10 @@ _SIZES = "x y dx dy width height cx cy r rx ry x1 y1 x2 y2 textLength"
 _SIZED = frozenset(_SIZES.split())
 _DEFINED = "clipPath mask pattern marker filter linearGradient radialGradient"
 _DEFINITIONS = frozenset(_DEFINED.split())
+_OF_FILTERS = frozenset({"color", "color-interpolation-filters"})
 _DEEPEST = 32
+# Viewers differ in the size of text that nobody gave a size: that one is always said if it is given.
+_USUAL = {name: value for name, value in INITIAL.items() if name != "font-size"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +69,7 @@ class Carrier:
         given = {
             name: value
             for name, value in style.inherited.items()
-            if value != INITIAL.get(name) and name in INHERITED and name not in _IDLE
+            if value != _USUAL.get(name) and name in INHERITED and name not in _IDLE
         }
         given |= {
             name: value
@@ -74,7 +77,7 @@ class Carrier:
             if name in PRESENTATION and name not in INHERITED and name not in skip
             and not name.startswith("transform")
         }  # fmt: skip
-        root = self._attributes(node, {}, viewport, definitions)
+        root = _kept_space(node) | self._attributes(node, {}, viewport, definitions)
         root |= {name: self._rewritten(value, definitions) for name, value in given.items()}
         xml = self._subtree(node, root, viewport, definitions)
         self.charge(xml)
@@ -83,7 +86,8 @@ class Carrier:
     def children(self, node: Node, viewport: tuple[float, float]) -> Carried:
         """What is inside the node, as XML."""
         definitions: dict[str, str] = {}
-        xml = "".join(self._subtree(child, None, viewport, definitions) for child in node.children)
+        drawn = (child for child in node.children if child.name != "defs")
+        xml = "".join(self._subtree(child, None, viewport, definitions) for child in drawn)
         self.charge(xml)
         return Carried(xml, definitions)
 
@@ -102,10 +106,11 @@ class Carrier:
     def inherited_attributes(self, node: Node) -> dict[str, str]:
         """What a definition inherits where it stands in the file, as presentation attributes."""
         style = self._source.cascade.in_document(node)
+        wanted = _OF_FILTERS if node.name == "filter" else INHERITED - _IDLE
         return {
             name: value
             for name, value in style.inherited.items()
-            if value != INITIAL.get(name) and name in INHERITED and name not in _IDLE
+            if value != _USUAL.get(name) and name in wanted
         }
 
     def _rewritten(self, text: str, definitions: dict[str, str]) -> str:
@@ -160,7 +165,8 @@ class Carrier:
                 parts.append(item)
                 continue
             tag, opening = _tag(item, item is node)
-            if tag == "script":
+            # What stands in `defs` is carried with whatever refers to it.
+            if tag == "script" or (item.name == "defs" and item is not node):
                 continue
             attributes = root if item is node and root is not None else None
             if attributes is None:
@@ -218,6 +224,17 @@ class Carrier:
         if matrix == IDENTITY:
             return ""
         return f"matrix({' '.join(map(shown, matrix))})"
+
+
+def _kept_space(node: Node) -> dict[str, str]:
+    """The xml:space and xml:lang that hold for a node, from the nearest ancestor that has them."""
+    chain = [node, *node.ancestors()]
+    found = {}
+    for full, name in ((XML_SPACE, "xml:space"), (XML_LANG, "xml:lang")):
+        value = next((one.attributes[full] for one in chain if full in one.attributes), None)
+        if value is not None:
+            found[name] = value
+    return found
 
 
 def _tag(node: Node, is_root: bool) -> tuple[str, str]:

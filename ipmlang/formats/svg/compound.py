@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.formats.drawing import LINE, Drawing, DrawnElement, Floats, Outline, Style
 from ipmlang.formats.svg.bounds import segment_boxes
-from ipmlang.formats.svg.effects import pen_reach
+from ipmlang.formats.svg.clipping import mitre_tips, pen_extent
 
 _TRANSLUCENT = frozenset({"opacity", "stroke-opacity", "mix-blend-mode"})
 _MOST_PAIRS = 30_000_000
@@ -53,7 +54,9 @@ def _labels(outline: Outline, style: Style) -> NDArray[np.intp] | None:
         return None
     boxes = _subpath_boxes(outline)
     if has_stroke:
-        boxes += _reaches(outline, style)[:, None] * np.array([-1.0, -1.0, 1.0, 1.0])
+        extent = pen_extent(style, np.eye(2))
+        boxes += np.concatenate([-extent, extent])
+        boxes = _with_tips(boxes, outline, style)
     return _overlapping(boxes)
 
 
@@ -76,13 +79,14 @@ def _subpath_boxes(outline: Outline) -> Floats:
     return np.concatenate([low, high], axis=1)
 
 
-def _reaches(outline: Outline, style: Style) -> Floats:
-    """(s,) how far the pen reaches from each subpath: mitres only where there is a corner."""
-    plain = tuple((name, value) for name, value in style.more if name != "stroke-miterlimit")
-    without_mitres = dict(plain) | {"stroke-linejoin": "bevel"}
-    straight = pen_reach(replace(style, more=tuple(sorted(without_mitres.items()))))
-    has_corner = (np.diff(outline.starts) > 1) | outline.closed
-    return np.where(has_corner, pen_reach(style), straight)
+def _with_tips(boxes: Floats, outline: Outline, style: Style) -> Floats:
+    """The boxes of subpaths grown by the mitred corners of their strokes."""
+    for row, (begin, end) in enumerate(pairwise(outline.starts.tolist())):
+        if end - begin > 1:
+            tips = mitre_tips(_slice(outline, row), style)
+            boxes[row, :2] = np.minimum(boxes[row, :2], tips.min(axis=0, initial=np.inf))
+            boxes[row, 2:] = np.maximum(boxes[row, 2:], tips.max(axis=0, initial=-np.inf))
+    return boxes
 
 
 def _overlapping(boxes: Floats) -> NDArray[np.intp]:

@@ -7,8 +7,8 @@ the world, style, viewport, enclosing effects. Frozen; a child's context is a ch
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import TypeAlias
+from dataclasses import dataclass
+from typing import NamedTuple, TypeAlias
 
 from ipmlang.formats.drawing import Effect, Fragment, Outline, Paint, Style
 from ipmlang.formats.svg.cascade import Cascade, Computed
@@ -53,7 +53,10 @@ class Wrap:
 
 @dataclass(slots=True, eq=False)
 class Placed:
-    """An outline (in its own space) or fragment, its map to the world, and what goes with it."""
+    """An outline (in its own space) or fragment, its map to the world, and what goes with it.
+
+    `reach`: a box in its own space that surely holds a fragment, None where nobody knows.
+    """
 
     outline: Outline | None
     fragment: Fragment | None
@@ -62,10 +65,10 @@ class Placed:
     wraps: tuple[Wrap, ...]
     source: tuple[str, ...]
     line: int | None = None
+    reach: Box | None = None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Context:
+class Context(NamedTuple):
     """What surrounds an element.
 
     `request`: the size that a `use` asks of the viewport it refers to, None when no `use` refers to
@@ -78,7 +81,7 @@ class Context:
     matrix: Matrix = IDENTITY
     wraps: tuple[Wrap, ...] = ()
     names: tuple[str, ...] = ()
-    active: frozenset[Node] = field(default_factory=frozenset)
+    active: frozenset[Node] = frozenset()
     request: tuple[float | None, float | None] | None = None
     paints: tuple[Colored, Colored] | None = None
 

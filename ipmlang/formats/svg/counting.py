@@ -6,6 +6,8 @@ few `use` elements mean 2^30 copies. Markers are not counted here; the walk coun
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from ipmlang.formats import FormatError
 from ipmlang.formats.svg.conditions import chosen
 from ipmlang.formats.svg.context import Source
@@ -16,11 +18,22 @@ CARRIED = frozenset({"text", "image", "foreignObject"})
 GROUPS = frozenset({"g", "a", "svg", "symbol"})
 
 
-def check_count(source: Source, root: Node) -> None:
+@dataclass(frozen=True, slots=True)
+class Count:
+    """What counting found: nodes that draw nothing, and whether something refers to itself (then no
+    count is sure, and no node is called empty).
+    """
+
+    empty: frozenset[Node]
+    cyclic: bool
+
+
+def count_elements(source: Source, root: Node) -> Count:
     """`FormatError`, naming the place, if `root` means more elements than the limits allow."""
     limit = source.limits.elements
     counts: dict[Node, int] = {}
     under_way: set[Node] = set()
+    cyclic = False
     pending = [root]
     while pending:
         node = pending[-1]
@@ -34,12 +47,15 @@ def check_count(source: Source, root: Node) -> None:
             if missing:
                 pending.extend(missing)
                 continue
-        # What is still under way here refers back to itself: it will not be drawn again.
+        # What is not counted here refers back to itself: it will not be drawn again.
+        cyclic = cyclic or any(part not in counts for part in parts)
         drawn = 1 if node.name in SHAPES or node.name in CARRIED else 0
         counts[node] = total = drawn + sum(counts.get(part, 0) for part in parts)
         if total > limit:
             raise _too_many(node, total, limit)
         pending.pop()
+    empty = (node for node, count in counts.items() if not count and _parts(source, node))
+    return Count(frozenset() if cyclic else frozenset(empty), cyclic)
 
 
 def _parts(source: Source, node: Node) -> list[Node]:

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from functools import lru_cache
-from typing import TYPE_CHECKING, TypeAlias
+from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING, SupportsIndex, TypeAlias
 
 from ipmlang.formats import FormatError
 from ipmlang.formats.svg.limits import Limits, Notes
@@ -26,6 +26,8 @@ Declaration: TypeAlias = tuple[str, str, bool]
 _PLAIN = re.compile(r"[\w\s:;.,#%+-]*+", re.ASCII)
 _TRUE_FEATURES = frozenset({"prefers-color-scheme:light", "prefers-reduced-motion:no-preference"})
 _MAX_NESTING = 16
+_TOO_DEEP = (RecursionError, SyntaxError, MemoryError)
+"""What nesting does to parsers that recurse, and to Python's own where selectors become code."""
 
 
 @lru_cache(maxsize=8192)
@@ -37,7 +39,7 @@ def parse_declarations(text: str) -> tuple[Declaration, ...]:
 
     try:
         return tuple(_declarations(tinycss2.parse_declaration_list(text, True, True)))
-    except RecursionError:
+    except _TOO_DEEP:
         return ()
 
 
@@ -78,7 +80,7 @@ def match_sheets(
         text = sheet.text + "".join(child.tail for child in sheet.children)
         try:
             rules.extend(_sheet_rules(text, notes, sheet.line))
-        except RecursionError:
+        except _TOO_DEEP:
             notes.add(
                 "style-sheet", "a style sheet is nested too deep and was left out", sheet.line
             )
@@ -107,7 +109,7 @@ def _sheet_rules(
             continue
         try:
             selectors = cssselect2.compile_selector_list(rule.prelude, namespaces)
-        except (cssselect2.SelectorError, RecursionError):
+        except (cssselect2.SelectorError, *_TOO_DEEP):
             notes.add("selector", "a selector is not understood", line)
             continue
         tokens = tinycss2.parse_declaration_list(rule.content, True, True)
@@ -202,6 +204,24 @@ class _Budget:
             )
 
 
+class _Paid(list[Node]):
+    """Siblings: looking through them is charged, knowing how many there are is free."""
+
+    def __init__(self, nodes: Iterable[Node], spend: Callable[[int], None]) -> None:
+        super().__init__(nodes)
+        self._spend = spend
+
+    def __iter__(self) -> Iterator[Node]:
+        self._spend(len(self) // 8)
+        return super().__iter__()
+
+    def __getitem__(  # type: ignore[override]
+        self, index: SupportsIndex | slice
+    ) -> Node | list[Node]:
+        self._spend(len(self) // 8)
+        return super().__getitem__(index)
+
+
 def _wrapped(root: Node, spend: Callable[[int], None]) -> Iterator[ElementWrapper]:
     """The nodes wrapped for matching, in document order; looking around is charged."""
     from cssselect2 import ElementWrapper
@@ -229,18 +249,9 @@ def _wrapped(root: Node, spend: Callable[[int], None]) -> Iterator[ElementWrappe
             spend(len(before))
             return tuple(reversed(before))
 
-        @property
-        def etree_siblings(self) -> list[Node]:
-            spend(len(self._siblings) // 64)
-            return self._siblings
-
-        @etree_siblings.setter
-        def etree_siblings(self, siblings: list[Node]) -> None:
-            self._siblings = siblings
-
-        def iter_children(self) -> Iterator[ElementWrapper]:
-            spend(len(self.etree_children))
-            return super().iter_children()  # type: ignore[no-any-return]
+        @cached_property
+        def etree_children(self) -> list[Node]:
+            return _Paid(self.etree_element.children, spend)
 
     yield from Charged.from_xml_root(root).iter_subtree()
 

@@ -74,7 +74,7 @@ class Definitions:
     def _adopted(self, xml: str, names: dict[str, str] | None = None) -> str:
         """The XML with its ids made unique in this file; `names` takes what was renamed."""
         if not re.search(r"\bid\s*=", xml):
-            return _without_namespace(xml)
+            return without_namespace(xml)
         from lxml import etree
 
         parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
@@ -95,7 +95,7 @@ class Definitions:
                 if "#" in str(value):
                     element.set(attribute, _renamed(str(value), names))
         inner = (etree.tostring(child, encoding="unicode") for child in root)
-        return "".join(_without_namespace(text) for text in inner)
+        return "".join(without_namespace(text) for text in inner)
 
 
 def matrix_text(matrix: Matrix) -> str:
@@ -109,7 +109,7 @@ def _renamed(value: str, names: dict[str, str]) -> str:
     return _REFERENCE.sub(lambda match: f"url(#{names.get(match[2], match[2])})", value)
 
 
-def _without_namespace(xml: str) -> str:
+def without_namespace(xml: str) -> str:
     """Drop what the root declares anyway, but only from the first tag: within foreign content the
     same declaration means something else.
     """

@@ -12,19 +12,18 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from ipmlang.formats.drawing import Effect, Outline, Style
-from ipmlang.formats.svg.bounds import segment_boxes, transform_segments
 from ipmlang.formats.svg.carry import Carrier
 from ipmlang.formats.svg.cascade import Computed
+from ipmlang.formats.svg.clipping import needless_clips
 from ipmlang.formats.svg.context import Placed, Source, Wrap
 from ipmlang.formats.svg.properties import INITIAL
 from ipmlang.formats.svg.style import opacity
-from ipmlang.formats.svg.transforms import Box, Matrix, inverse
+from ipmlang.formats.svg.transforms import IDENTITY, Box, Matrix
 from ipmlang.formats.svg.units import number, shown
 
 _REFERRING = ("clip-path", "mask", "filter")
+_SPACELESS = frozenset({"opacity", "style"})
 _COMMUTING = frozenset({"opacity", "clip-path", "mask"})
 
 
@@ -71,6 +70,8 @@ class Effects:
         if not attributes:
             return None
         mergeable = all(name == "clip-path" for name, _ in attributes)
+        if _SPACELESS.issuperset(name for name, _ in attributes):
+            matrix = IDENTITY  # So that equal effects in different places have one name.
         text = "".join(definitions.values())
         return Wrap(Effect(tuple(attributes), text, matrix), mergeable)
 
@@ -90,14 +91,14 @@ def settle(
     """The style of each element with its effects named, and the effects by name."""
     if not any(one.wraps for one in placed):
         return [one.style for one in placed], {}
-    idle = _idle_viewports(placed, outlines)
+    idle = needless_clips(placed, outlines)
     uses = Counter(wrap for one in placed for wrap in one.wraps)
     effects: dict[str, Effect] = {}
     stems: dict[Wrap, str] = {}
     chains: list[list[Wrap]] = []
     styles: list[Style] = []
-    for one in placed:
-        chain = [wrap for wrap in one.wraps if wrap not in idle]
+    for index, one in enumerate(placed):
+        chain = [wrap for wrap in one.wraps if (wrap, index) not in idle]
         style = one.style
         if one.outline is not None:
             chain, style = _fold_opacity(chain, style, uses)
@@ -160,54 +161,3 @@ def _named(chains: Iterable[list[Wrap]], stems: dict[Wrap, str]) -> dict[Wrap, s
 def _stem(effect: Effect) -> str:
     text = repr((effect.attributes, effect.definitions, effect.matrix))
     return "effect-" + hashlib.sha256(text.encode()).hexdigest()[:10]
-
-
-def _idle_viewports(placed: Sequence[Placed], outlines: Sequence[Outline | None]) -> set[Wrap]:
-    """Viewports that all they hold lies within, pens included."""
-    held: dict[Wrap, list[int]] = {}
-    for index, one in enumerate(placed):
-        for wrap in one.wraps:
-            if wrap.viewport is not None:
-                held.setdefault(wrap, []).append(index)
-    return {wrap for wrap, indices in held.items() if _fits(wrap, indices, placed, outlines)}
-
-
-def _fits(
-    wrap: Wrap, indices: list[int], placed: Sequence[Placed], outlines: Sequence[Outline | None]
-) -> bool:
-    if wrap.viewport is None or any(outlines[index] is None for index in indices):
-        return False
-    inside = [outline for index in indices if (outline := outlines[index]) is not None]
-    kind = np.concatenate([outline.kind for outline in inside])
-    coords = np.concatenate([outline.coords for outline in inside])
-    back = inverse(wrap.effect.matrix)
-    boxes = segment_boxes(kind, transform_segments(kind, coords, np.array(back)))
-    # A pen of the world is at most this much wider in the viewport's space.
-    widening = float(np.linalg.norm(np.array(back[:4]).reshape(2, 2), 2))
-    pens = np.repeat(
-        [widening * pen_reach(placed[index].style) for index in indices],
-        [len(outline.kind) for outline in inside],
-    )
-    x, y, width, height = wrap.viewport
-    slack = 1e-9 * (abs(x) + abs(y) + width + height)
-    low = (boxes[:, :2] - pens[:, None]).min(axis=0)
-    high = (boxes[:, 2:] + pens[:, None]).max(axis=0)
-    return bool(
-        low[0] >= x - slack
-        and low[1] >= y - slack
-        and high[0] <= x + width + slack
-        and high[1] <= y + height + slack
-    )
-
-
-def pen_reach(style: Style) -> float:
-    """How far paint may reach from an outline, in world units."""
-    if style.stroke == "none":
-        return 0.0
-    more = dict(style.more)
-    reach = 2**0.5 if more.get("stroke-linecap") == "square" else 1.0
-    if more.get("stroke-linejoin", "miter") == "miter":
-        reach = max(reach, number(more.get("stroke-miterlimit", "4")) or 4.0)
-    if style.stroke_matrix is not None:
-        reach *= float(np.linalg.norm(np.array(style.stroke_matrix).reshape(2, 2), 2))
-    return reach * style.stroke_width / 2

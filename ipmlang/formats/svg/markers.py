@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipmlang.formats.drawing import ARC, CUBIC, Floats, Outline
-from ipmlang.formats.svg.bounds import segment_ends
+from ipmlang.formats.drawing import Floats, Outline
+from ipmlang.formats.svg.bounds import segment_ends, segment_tangents
 from ipmlang.formats.svg.transforms import Box, Matrix, multiply, translate
 from ipmlang.formats.svg.units import length
 from ipmlang.formats.svg.viewports import fit, parse_view_box
@@ -119,7 +119,7 @@ def vertices(outline: Outline) -> tuple[Floats, list[float]]:
     between the way in and the way out.
     """
     first, last = segment_ends(outline.kind, outline.coords)
-    leave, arrive = _tangents(outline, first, last)
+    leave, arrive = _tangents(outline)
     points: list[Floats] = []
     turns: list[float] = []
     bounds = zip(outline.starts[:-1], outline.starts[1:], outline.closed, strict=True)
@@ -138,32 +138,16 @@ def _between(way_in: float, way_out: float) -> float:
     return (way_in + way_out) / 2
 
 
-def _tangents(outline: Outline, first: Floats, last: Floats) -> tuple[list[float], list[float]]:
+def _tangents(outline: Outline) -> tuple[list[float], list[float]]:
     """Directions at the start and the end of each segment, in radians; a segment without length
     has that of the one before it.
     """
-    leave: list[float] = []
-    arrive: list[float] = []
-    for index, kind in enumerate(outline.kind):
-        rows = outline.coords[index]
-        if kind == ARC:
-            angles = (rows[3, 0], rows[3, 0] + rows[3, 1])
-            sign = 1.0 if rows[3, 1] > 0 else -1.0
-            ways = [sign * (math.cos(a) * rows[2] - math.sin(a) * rows[1]) for a in angles]
-            leave.append(math.atan2(ways[0][1], ways[0][0]))
-            arrive.append(math.atan2(ways[1][1], ways[1][0]))
-            continue
-        points = rows[: min(int(kind), CUBIC) + 1]
-        before = arrive[-1] if arrive else 0.0
-        out = _direction(points[1:] - first[index], before)
-        leave.append(out)
-        arrive.append(_direction((last[index] - points[:-1])[::-1], out))
-    return leave, arrive
-
-
-def _direction(ways: Floats, otherwise: float) -> float:
-    """The direction of the first way that leads anywhere."""
-    for x, y in ways:
-        if x or y:
-            return math.atan2(y, x)
-    return otherwise
+    leave, arrive = segment_tangents(outline.kind, outline.coords)
+    there = (leave != 0).any(axis=1).reshape(-1)
+    before = np.maximum.accumulate(np.where(there, np.arange(len(there)), -1))
+    # What stands before the first segment with a length takes its direction.
+    known = np.where(before < 0, np.argmax(there), before)
+    leave = np.where(there[:, None], leave, arrive[known])
+    arrive = np.where(there[:, None], arrive, leave)
+    ways = (np.arctan2(way[:, 1], way[:, 0]).tolist() for way in (leave, arrive))
+    return next(ways), next(ways)

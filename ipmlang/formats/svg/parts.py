@@ -6,14 +6,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ipmlang.formats import FormatError
 from ipmlang.formats.drawing import Drawing, DrawnElement, Effect
-from ipmlang.formats.svg.definitions import matrix_text
+from ipmlang.formats.svg.definitions import matrix_text, without_namespace
 from ipmlang.formats.svg.transforms import IDENTITY, parse_transform
 from ipmlang.formats.svg.write import fitted_box, write_groups
 from ipmlang.formats.svg.xml import SVG
@@ -28,24 +28,24 @@ def write_parts(
     terminals: Mapping[str, Sequence[DrawnElement]],
     *,
     element_effects: Mapping[str, Effect] | None = None,
-    effects: Mapping[str, Sequence[Effect]] | None = None,
+    effects: Mapping[str, tuple[str | None, Effect]] | None = None,
     tables: Sequence[str] = (),
 ) -> str:
     """The file that holds `terminals` by id, `effects` by id and tables (from `table_xml`).
 
-    Effects are stacks, outermost first. `element_effects` are those that elements of terminals name
-    in their styles.
+    An effect comes with the id of the one it stands in, which is given before it.
+    `element_effects` are those that elements of terminals name in their styles.
     """
     elements = tuple(element for group in terminals.values() for element in group)
     drawing = Drawing(elements, fitted_box(elements), effects=element_effects or {})
     metadata = "<metadata>\n" + "\n".join(tables) + "\n</metadata>\n" if tables else ""
-    wraps = "".join(_effect_text(name, each) for name, each in (effects or {}).items())
+    wraps = "".join(_effect_texts(effects or {}, None))
     runs = {name: len(group) for name, group in terminals.items()}
     return write_groups(drawing, runs, head=metadata + wraps)
 
 
-def read_effect(path: Path | str, node_id: str) -> tuple[Effect, ...]:
-    """The effects that a group of a parts file makes, its parents' first.
+def read_effect(path: Path | str, node_id: str) -> tuple[tuple[str, Effect], ...]:
+    """The effects that a group of a parts file makes with their ids, its parents' first.
 
     Raises `FormatError` if the file cannot be read or has no such group.
     """
@@ -60,8 +60,8 @@ def read_effect(path: Path | str, node_id: str) -> tuple[Effect, ...]:
     if node is None:
         raise FormatError(f"no element in {path} has the id `{node_id}`")
     chain = [each for each in (node, *node.iterancestors()) if each is not root]
-    found = [_effect(each) for each in reversed(chain)]
-    return tuple(effect for effect in found if effect.attributes)
+    found = [(str(each.get("id") or ""), _effect(each)) for each in reversed(chain)]
+    return tuple(pair for pair in found if pair[1].attributes)
 
 
 def _effect(node: etree._Element) -> Effect:
@@ -71,21 +71,24 @@ def _effect(node: etree._Element) -> Effect:
     attributes = tuple(pair for pair in pairs if pair[0] not in _NOT_EFFECTS)
     inner = (part for defs in node.findall(f"{{{SVG}}}defs") for part in defs)
     definitions = "".join(
-        etree.tostring(part, encoding="unicode", with_tail=False) for part in inner
+        without_namespace(etree.tostring(part, encoding="unicode", with_tail=False))
+        for part in inner
     )
     matrix = parse_transform(node.get("transform") or "")
     return Effect(attributes, definitions, IDENTITY if matrix is None else matrix)
 
 
-def _effect_text(name: str, stack: Sequence[Effect]) -> str:
-    """Nested groups; the innermost bears the id."""
-    outer = "".join(_opened(effect, "") for effect in stack[:-1])
-    inner = "".join(_opened(effect, f' id="{escape(name)}"') for effect in stack[-1:])
-    return outer + inner + "</g>" * len(stack) + "\n"
-
-
-def _opened(effect: Effect, identity: str) -> str:
-    attributes = "".join(f' {key}="{escape(value)}"' for key, value in effect.attributes)
-    transform = "" if effect.matrix == IDENTITY else f' transform="{matrix_text(effect.matrix)}"'
-    inner = f"<defs>{effect.definitions}</defs>" if effect.definitions else ""
-    return f"<g{identity}{transform}{attributes}>{inner}"
+def _effect_texts(
+    effects: Mapping[str, tuple[str | None, Effect]], parent: str | None
+) -> Iterator[str]:
+    """The groups that stand in `parent`, with all inside them."""
+    for name, (outer, effect) in effects.items():
+        if outer != parent:
+            continue
+        attributes = "".join(f' {key}="{escape(value)}"' for key, value in effect.attributes)
+        plain = effect.matrix == IDENTITY
+        transform = "" if plain else f' transform="{matrix_text(effect.matrix)}"'
+        inner = f"<defs>{effect.definitions}</defs>" if effect.definitions else ""
+        yield f'<g id="{escape(name)}"{transform}{attributes}>{inner}'
+        yield from _effect_texts(effects, name)
+        yield "</g>\n"

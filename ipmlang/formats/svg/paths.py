@@ -198,6 +198,11 @@ def _draw(pen: Pen, commands: Sequence[tuple[str, str]]) -> bool:
                 return False
         else:
             values = [float(word) for word in _NUMBERS.findall(text)]
+            if len(values) == 2 and name == "L":  # By far the most common of long paths.
+                x, y = values
+                pen.line(*((x, y) if letter == name else (pen.x + x, pen.y + y)))
+                before = name
+                continue
             count = len(values) // _TAKES[name]
             if count:
                 _DRAW[name](pen, values, count, letter != name, before)

@@ -5,7 +5,7 @@ The steps: parse, resolve styles, count, walk, place all outlines in one batch, 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +15,7 @@ from ipmlang.formats.drawing import Drawing, DrawnElement, Effect, Outline
 from ipmlang.formats.svg.bounds import transform_segments
 from ipmlang.formats.svg.cascade import Cascade, Computed
 from ipmlang.formats.svg.context import Context, Placed, Source
-from ipmlang.formats.svg.counting import check_count
+from ipmlang.formats.svg.counting import count_elements
 from ipmlang.formats.svg.effects import settle
 from ipmlang.formats.svg.limits import Limits, Notes
 from ipmlang.formats.svg.transforms import Box
@@ -52,11 +52,21 @@ def read_node(path: Path | str, node_id: str, *, limits: Limits | None = None) -
 
     Raises `FormatError` if there is no such element, as for `read_svg`.
     """
+    return read_nodes(path, [node_id], limits=limits)[node_id]
+
+
+def read_nodes(
+    path: Path | str, node_ids: Iterable[str], *, limits: Limits | None = None
+) -> dict[str, Drawing]:
+    """The same for many elements of one file, which is taken apart once."""
     opened = _open(path, limits or Limits())
-    node = opened.document.by_id.get(node_id)
-    if node is None:
-        raise FormatError(f"no element in {path} has the id `{node_id}`", hint=_known(opened))
-    return _drawing(opened, node)
+    found = {}
+    for node_id in node_ids:
+        node = opened.document.by_id.get(node_id)
+        if node is None:
+            raise FormatError(f"no element in {path} has the id `{node_id}`", hint=_known(opened))
+        found[node_id] = _drawing(opened, node)
+    return found
 
 
 def svg_ids(path: Path | str, *, limits: Limits | None = None) -> set[str]:
@@ -81,9 +91,8 @@ def _open(source: Path | str | bytes, limits: Limits) -> Source:
 def _drawing(source: Source, node: Node) -> Drawing:
     """The drawing of `node`: of the whole file if it is the root."""
     document, root = source.document, source.document.root
-    check_count(source, node)
     box, viewport = _root_box(document)
-    walk = Walk(source)
+    walk = Walk(source, count_elements(source, node))
     if node is root or node.name in _CONTAINERS:
         style = source.cascade.in_document(node)
         if node is root:

@@ -17,7 +17,7 @@ Box: TypeAlias = tuple[float, float, float, float]
 
 IDENTITY: Matrix = (1.0, 0.0, 0.0, 1.0, 0.0, 0.0)
 _CALL = re.compile(r"[\s,]*([a-zA-Z]+)\s*\(([^()]*)\)")
-_ARGUMENT = re.compile(rf"\s*+,?+\s*+({NUMBER})([a-zA-Z]*+|%)", re.ASCII)
+_ARGUMENT = re.compile(rf"\s*+,?+\s*+({NUMBER})(%|[a-zA-Z]*+)", re.ASCII)
 _DEGREES = {"": 1.0, "deg": 1.0, "rad": 180 / math.pi, "grad": 0.9, "turn": 360.0}
 _WORDS = {"left": "0%", "top": "0%", "center": "50%", "right": "100%", "bottom": "100%"}
 

@@ -8,7 +8,6 @@ made is counted against the limits.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import replace
 from typing import TypeAlias
 
 from ipmlang.formats import FormatError
@@ -18,7 +17,9 @@ from ipmlang.formats.svg.carry import Carrier, with_definitions
 from ipmlang.formats.svg.cascade import Computed
 from ipmlang.formats.svg.conditions import CONDITIONS, chosen, holds
 from ipmlang.formats.svg.context import Context, Placed, Source, own_transform, placed_by
+from ipmlang.formats.svg.counting import Count
 from ipmlang.formats.svg.effects import Effects, viewport_wrap
+from ipmlang.formats.svg.extents import image_box, text_box
 from ipmlang.formats.svg.markers import Frame, frame_of, placements
 from ipmlang.formats.svg.paint import Paints, Site
 from ipmlang.formats.svg.shapes import SHAPES, Measures, outline_of
@@ -34,14 +35,17 @@ _MARKED = frozenset({"path", "line", "polyline", "polygon"})
 _MARKERS = ("marker-start", "marker-mid", "marker-end")
 _NO_OPACITY = frozenset({"display", "clip-path", "mask", "filter", "overflow"})
 _WITH_WRAP = _NO_OPACITY | {"opacity", "mix-blend-mode", "isolation"}
-_VISITS_PER_ELEMENT = 4
+_VISITS_PER_ELEMENT = 16
+_FREE_VISITS = 100_000
+_MOST_IF_CYCLIC = 50_000
+"""Elements of a drawing that refers to itself: they cannot be counted before they are made."""
 _SEGMENTS_PER_ELEMENT = 4
 
 
 class Walk:
     """One walk over one source; `placed` is what it has found so far."""
 
-    def __init__(self, source: Source) -> None:
+    def __init__(self, source: Source, count: Count) -> None:
         self.placed: list[Placed] = []
         self._source = source
         self._cascade = source.cascade
@@ -57,8 +61,11 @@ class Walk:
             for node in source.document.nodes
             if any(name in node.attributes for name in CONDITIONS) and not holds(node)
         }
-        self._visits = source.limits.elements * _VISITS_PER_ELEMENT + len(source.document.nodes)
-        self._segments = source.limits.elements * _SEGMENTS_PER_ELEMENT
+        most = source.limits.elements
+        self._limit = min(most, _MOST_IF_CYCLIC) if count.cyclic else most
+        self._empty = count.empty
+        self._visits = _FREE_VISITS + len(source.document.nodes)
+        self._segments = most * _SEGMENTS_PER_ELEMENT
         self._visitors: dict[str, Callable[[Node, Context], Below]] = {
             **dict.fromkeys(SHAPES, self._shape),
             **dict.fromkeys(("text", "image", "foreignObject"), self._fragment),
@@ -84,16 +91,23 @@ class Walk:
                 stack.append(below)
 
     def _refuse(self, node: Node) -> None:
-        limit = self._source.limits.elements
         raise FormatError(
-            f"the drawing has more than {limit:,} elements after `use` and markers are expanded",
+            "the drawing is too large after `use` and markers are expanded: "
+            f"the limit is {self._limit:,} elements of {_SEGMENTS_PER_ELEMENT} segments",
             node.line,
         )
+
+    def _place(self, one: Placed, node: Node) -> None:
+        """One more element; groups around it have not been visited in vain."""
+        self.placed.append(one)
+        self._visits += _VISITS_PER_ELEMENT
+        if len(self.placed) > self._limit:
+            self._refuse(node)
 
     def _visit(self, node: Node, context: Context) -> Below:
         """Put the element's own style and transform into the context and draw it."""
         visitor = self._visitors.get(node.name)
-        if visitor is None or node in self._conditional:
+        if visitor is None or node in self._conditional or node in self._empty:
             return None
         style = self._cascade.computed(context.style, node)
         own = style.own
@@ -105,13 +119,13 @@ class Walk:
             if not is_usable(matrix):
                 self._notes.add("singular-matrix", "a transform leaves nothing to see", node.line)
                 return None
-        return visitor(node, replace(context, style=style, matrix=matrix))
+        return visitor(node, context._replace(style=style, matrix=matrix))
 
     def _own_transform(self, node: Node, style: Computed, context: Context) -> Matrix:
         def box() -> Box | None:
             if node.name not in SHAPES:
                 return None
-            outline = self._outline(node, replace(context, style=style))
+            outline = self._outline(node, context._replace(style=style))
             return None if outline is None else outline_box(outline)
 
         return own_transform(style, context.viewport, box, self._notes, node.line)
@@ -122,8 +136,7 @@ class Walk:
         name = node.attributes.get("id")
         if wrap is None and not name and context.request is None:
             return context
-        return replace(
-            context,
+        return context._replace(
             wraps=context.wraps if wrap is None else (*context.wraps, wrap),
             names=(*context.names, name) if name else context.names,
             request=None,
@@ -165,8 +178,7 @@ class Walk:
         wraps = inner.wraps
         if context.style.own.get("overflow", "hidden") not in ("visible", "auto"):
             wraps = (*wraps, viewport_wrap(place, context.matrix))
-        inner = replace(
-            inner,
+        inner = inner._replace(
             matrix=multiply(context.matrix, matrix),
             viewport=(width, height) if view is None else (view[2], view[3]),
             wraps=wraps,
@@ -194,7 +206,7 @@ class Walk:
         request = None
         if target.name in ("svg", "symbol"):
             request = (measures.maybe("width"), measures.maybe("height"))
-        inner = replace(inner, matrix=matrix, active=active | {target}, request=request)
+        inner = inner._replace(matrix=matrix, active=active | {target}, request=request)
         return iter(((target, inner),))
 
     def _ancestors(self, node: Node) -> frozenset[Node]:
@@ -233,10 +245,10 @@ class Walk:
         )
         drawn = self._styles.of(site, single=wrap is None)
         matrix, names = context.matrix, context.names + _names(node)
-        self.placed.append(Placed(outline, None, matrix, drawn, wraps, names, node.line))
+        self._place(Placed(outline, None, matrix, drawn, wraps, names, node.line), node)
         if not frames:
             return None
-        return self._marked(outline, frames, replace(context, wraps=wraps), drawn)
+        return self._marked(outline, frames, context._replace(wraps=wraps), drawn)
 
     def _frames(self, node: Node, context: Context) -> list[tuple[Node, Frame] | None]:
         """Start, mid and end markers of a shape; empty where it has none."""
@@ -279,14 +291,14 @@ class Walk:
             matrix = multiply(standing, frame.matrix)
             if not is_usable(matrix):
                 continue
-            inner = replace(
-                self.inside(node, replace(context, style=style, matrix=matrix)),
+            inner = self.inside(node, context._replace(style=style, matrix=matrix))
+            inner = inner._replace(
                 viewport=frame.viewport,
                 active=context.active | self._ancestors(node),
                 paints=((drawn.fill, 1.0), (drawn.stroke, 1.0)),
             )
             if style.own.get("overflow", "hidden") not in ("visible", "auto"):
-                inner = replace(inner, wraps=(*inner.wraps, viewport_wrap(frame.tile, standing)))
+                inner = inner._replace(wraps=(*inner.wraps, viewport_wrap(frame.tile, standing)))
             for child in node.children:
                 yield child, inner
 
@@ -301,10 +313,19 @@ class Walk:
         wraps = context.wraps if wrap is None else (*context.wraps, wrap)
         names = context.names + _names(node)
         fragment = Fragment(node.name, xml, context.matrix)
-        self.placed.append(Placed(None, fragment, context.matrix, Style(), wraps, names, node.line))
+        reach = self._reach(node, context)
+        placed = Placed(None, fragment, context.matrix, Style(), wraps, names, node.line, reach)
+        self._place(placed, node)
         code = "foreign-object" if node.name == "foreignObject" else node.name
         self._notes.add(code, f"<{node.name}> is carried through as it is", node.line)
         return None
+
+    def _reach(self, node: Node, context: Context) -> Box | None:
+        if not any(wrap.viewport is not None for wrap in context.wraps):
+            return None  # Nobody will ask.
+        if node.name == "image":
+            return image_box(self._measures(node, context))
+        return text_box(node, context.style, self._cascade, (0.0, 0.0, *context.viewport))
 
     def _is_seen(self, node: Node, style: Computed) -> bool:
         """Whether something may show: text that is not empty, an image with a source."""

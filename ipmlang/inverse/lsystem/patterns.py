@@ -1,9 +1,9 @@
 """How the members of a sequence follow from their index: the right-hand side of the paper's rule
 r1.
 
-A pattern gives the frames of the first n members relative to the first one. `even` is linear in the
-frame of the first member, `turtle` carries on from member to member with t(m) = t0 + tΔ·m
-(equation 4). Nothing here looks at drawings.
+A pattern gives the frames of the first n members in the frame of the sequence. `even` is linear in
+the frame of the first member, `turtle` carries on from member to member with t(m) = t0 + tΔ·m
+(equation 4), `listed` goes ahead by uneven steps. Nothing here looks at drawings.
 """
 
 from __future__ import annotations
@@ -21,14 +21,16 @@ Four: TypeAlias = tuple[float, float, float, float]
 @dataclass(frozen=True, slots=True)
 class Pattern:
     """kind "even": base is (x, y, angle, scale) added at each step, delta is zero. kind "turtle":
-    base is t0 = (α, d, s, β), delta is tΔ, and each step also mirrors if `mirrored`. Degrees, and
-    units of the first (even) or current (turtle) member's frame.
+    base is t0 = (α, d, s, β), delta is tΔ, and each step also mirrors if `mirrored`. kind "listed":
+    the sequence heads along its x by uneven `steps`, each member turned by base[0]. Degrees, and
+    units of the first (even, listed) or current (turtle) member's frame.
     """
 
-    kind: Literal["even", "turtle"]
+    kind: Literal["even", "turtle", "listed"]
     base: Four
     delta: Four = (0.0, 0.0, 0.0, 0.0)
     mirrored: bool = False
+    steps: tuple[float, ...] = ()
 
     @property
     def constant(self) -> bool:
@@ -42,6 +44,9 @@ class Pattern:
         [0.0, 2.0, 4.0]
         """
         index = np.arange(count, dtype=np.float64)
+        if self.kind == "listed":
+            along = np.concatenate([[0.0], np.cumsum(self.steps)]) + 0j
+            return frames(along, self.base[0])
         if self.kind == "even":
             x, y, angle, scale = self.base
             return frames(index * complex(x, y), index * angle, 1 + index * scale)

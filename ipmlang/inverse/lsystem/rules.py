@@ -161,10 +161,8 @@ class Search:
     def _run_clusters(self, runs: list[Run]) -> Integers:
         """Runs of one symbol with equal patterns are one cluster."""
         symbol = self.string.symbol[[run.first for run in runs]]
-        kinds = [
-            2 * (run.pattern.kind == "turtle") + run.pattern.mirrored + 4 * run.pattern.constant
-            for run in runs
-        ]
+        lists: dict[tuple[float, ...], int] = {}
+        kinds = [self._kind(run.pattern, lists) for run in runs]
         values = np.array([(*run.pattern.base, *run.pattern.delta) for run in runs])
         scale = np.concatenate([run.lead.scale for run in runs])
         count = np.array([run.count for run in runs])
@@ -175,8 +173,16 @@ class Search:
         even = np.array([run.pattern.kind == "even" for run in runs])
         slack = np.stack([np.where(even, room, turn), room, np.where(even, turn, room / arm),
                           np.where(even, room / arm, turn)], axis=1)  # fmt: skip
-        labels = symbol * 8 + np.array(kinds, np.int64)
+        labels = symbol * (8 * len(runs) + 8) + np.array(kinds, np.int64)
         return cluster(labels, values, np.concatenate([slack, slack / count[:, None]], axis=1))
+
+    def _kind(self, pattern: Pattern, lists: dict[tuple[float, ...], int]) -> int:
+        """Equal for patterns that may be one: those of one kind, or with one list of steps."""
+        if pattern.kind == "listed":
+            grid = 4 * self.alphabet.tolerance
+            key = tuple(round(step / grid) for step in pattern.steps)
+            return 8 * lists.setdefault(key, len(lists) + 1)
+        return 2 * (pattern.kind == "turtle") + pattern.mirrored + 4 * pattern.constant
 
     def _take_runs(self, candidate: Candidate, edit: _Edit) -> None:
         family = -1
@@ -270,4 +276,5 @@ def _shared_pattern(patterns: list[Pattern]) -> Pattern:
         (base[0], base[1], base[2], base[3]),
         (delta[0], delta[1], delta[2], delta[3]),
         first.mirrored,
+        first.steps,
     )

@@ -40,8 +40,9 @@ def find_runs(alphabet: Alphabet, arrangement: Arrangement) -> list[Run]:
     regular = _regular(alphabet, arrangement, stretch)
     reach = np.array([each.radius for each in alphabet.definitions])[arrangement.symbol]
     slack = 3 * alphabet.tolerance
-    runs = list(_even_runs(regular, stretch, reach, slack))
     free = np.array([each.free for each in alphabet.definitions])[arrangement.symbol]
+    runs = list(_even_runs(regular, stretch, reach, slack))
+    runs += _listed_runs(regular, stretch, free, reach, alphabet.tolerance)
     runs += _turtle_runs(regular, np.where(free, -1 - np.arange(len(free)), stretch), reach, slack)
     if free.any():
         runs += _ring_runs(regular, np.where(free, stretch, -1 - np.arange(len(free))), slack)
@@ -166,6 +167,35 @@ def _even_run(regular: Frames, angle: Floats, first: int, count: int) -> Run:
     local = complex(step.real * hand, step.imag)
     base = (local.real, local.imag, turn * hand, scale / float(start.scale[0]))
     return Run(first, count, Pattern("even", base), start)
+
+
+def _listed_runs(
+    regular: Frames, stretch: Integers, free: Booleans, reach: Floats, slack: float
+) -> Iterator[Run]:
+    """Members that stand alike on a straight line, at uneven steps."""
+    move = np.diff(regular.position)
+    alike = (stretch[1:] == stretch[:-1]) & (np.diff(regular.handedness) == 0)
+    alike &= np.deg2rad(np.abs(wrap(np.diff(regular.angle)))) * reach[1:] <= slack
+    alike &= np.abs(np.diff(regular.scale)) * reach[1:] <= slack
+    turned = move[1:] * move[:-1].conj()
+    length = np.abs(move)
+    straight = np.abs(turned.imag) <= slack * np.maximum(length[1:], length[:-1])
+    ahead = (turned.real > 0) & (np.minimum(length[1:], length[:-1]) > 10 * slack)
+    for start, end in _blocks(alike[1:] & alike[:-1] & straight & ahead):
+        members = slice(start, end + 2)
+        if end - start < 2 or np.ptp(length[start : end + 1]) <= 3 * slack:
+            continue
+        at = regular.position[members]
+        heading = float(np.angle(at[-1] - at[0], deg=True))
+        scale = float(regular.scale[start])
+        along = (at - at[0]) * np.exp(-1j * np.deg2rad(heading)) / scale
+        hand = int(regular.handedness[start])
+        # In a mirrored frame x points the other way.
+        turn = heading if hand > 0 else heading - 180.0
+        rest = 0.0 if free[start] else hand * float(wrap(regular.angle[start] - turn))
+        steps = tuple(np.diff(along.real).tolist())
+        lead = frames(at[:1], turn, scale, hand)
+        yield Run(start, end - start + 2, Pattern("listed", (rest, 0, 0, 0), steps=steps), lead)
 
 
 def _turtle_runs(regular: Frames, stretch: Integers, reach: Floats, slack: float) -> Iterator[Run]:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.inverse.lsystem.frames import (
+    Complexes,
     Floats,
     Frames,
     compose,
@@ -33,7 +34,8 @@ class Definition:
 
     parts: (m,) member symbols in paint order; places: (m,) their frames in this symbol's frame.
     A terminal has no parts. pattern: how the places follow from an index (sequences only); family:
-    the first symbol with the same part and pattern, whatever its count (sequences only, else -1).
+    the first symbol with the same part and pattern, whatever its count (sequences only, else -1);
+    at, arm: (size,) position and factor of the leaf frames;
     leaves: (size,) terminals it expands to; leaf_frames: (size,) their frames here; stabiliser:
     (k,) frames that keep all of it, identity first; free: any rotation about the origin does too;
     radius: largest distance of what it draws from its origin.
@@ -46,6 +48,8 @@ class Definition:
     stabiliser: Frames
     free: bool
     radius: float
+    at: Complexes
+    arm: Complexes
     pattern: Pattern | None = None
     family: int = -1
 
@@ -86,6 +90,8 @@ class Alphabet:
             symmetry.stabiliser,
             symmetry.order == 0,
             radius,
+            np.zeros(1, np.complex128),
+            np.ones(1, np.complex128),
         )
         self.definitions.append(made)
         return len(self) - 1
@@ -109,6 +115,8 @@ class Alphabet:
                 made.stabiliser,
                 made.free,
                 made.radius,
+                made.at,
+                made.arm,
                 pattern,
                 family,
             )
@@ -124,7 +132,8 @@ class Alphabet:
         reach = [each.radius for each in known]
         radius = float(np.max(np.abs(places.position) + places.scale * np.array(reach)))
         keeps, free = self._stabiliser(parts, places)
-        return Definition(parts, places, leaves, placed, keeps, free, radius)
+        at, arm = placed.position, placed.factor
+        return Definition(parts, places, leaves, placed, keeps, free, radius, at, arm)
 
     def _stabiliser(self, parts: Integers, places: Frames) -> tuple[Frames, bool]:
         """Frames that keep every member where it is, and whether all rotations do."""
@@ -197,40 +206,60 @@ class Arrangement:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Seen:
-    """What expansions are compared with: each element's terminal and frame, in paint order."""
+    """What expansions are compared with, a row for each element in paint order.
+
+    terminal: (n,); at, arm, hand: (n, k) the k equivalent frames of each, as position and factor
+    (complex) and handedness, 0 where there are fewer; free: (n,) any turn is equivalent; radius:
+    (n,) extent of the representative, units at scale 1.
+    """
 
     terminal: Integers
-    placed: Frames
+    at: Complexes
+    arm: Complexes
+    hand: Integers
+    free: NDArray[np.bool_]
+    radius: Floats
+
+
+def see(alphabet: Alphabet, terminal: Integers, placed: Frames) -> Seen:
+    """The observed elements (n,) of an alphabet that has only terminals yet."""
+    most = max((len(each.stabiliser) for each in alphabet.definitions), default=1)
+    shape = (len(terminal), most)
+    at, arm = np.zeros(shape, np.complex128), np.zeros(shape, np.complex128)
+    hand = np.zeros(shape, np.int64)
+    order = np.argsort(terminal, kind="stable")
+    ends = np.searchsorted(terminal[order], np.arange(len(alphabet)), side="right")
+    for number, rows in enumerate(np.split(order, ends[:-1]) if len(order) else []):
+        every = compose(placed[rows][:, None], alphabet[number].stabiliser)
+        count = every.x.shape[1]
+        at[rows, :count], arm[rows, :count] = every.position, every.factor
+        hand[rows, :count] = every.handedness
+    free = np.array([each.free for each in alphabet.definitions], np.bool_)
+    radius = np.array([each.radius for each in alphabet.definitions])
+    return Seen(terminal, at, arm, hand, free[terminal], radius[terminal])
 
 
 def misses(alphabet: Alphabet, seen: Seen, symbol: int, placed: Frames, start: Integers) -> Floats:
-    """(k,) largest distance, in units, between `symbol` at k frames and the elements observed from
-    `start` on; infinite where other terminals stand there.
+    """(k,) bound on the distance, in units, between `symbol` at k frames and the elements observed
+    from `start` on; infinite where other terminals stand there.
     """
     definition = alphabet[symbol]
     rows = start[:, None] + np.arange(definition.size)
     outside = rows[:, -1] >= len(seen.terminal)
     rows = np.minimum(rows, len(seen.terminal) - 1)
     wrong = (seen.terminal[rows] != definition.leaves).any(axis=1) | outside
-    made = compose(placed[:, None], definition.leaf_frames)
-    given = seen.placed[rows]
-    worst = np.zeros(len(start))
-    for terminal in np.unique(definition.leaves):
-        columns = np.flatnonzero(definition.leaves == terminal)
-        part = _distance(alphabet[int(terminal)], made[:, columns], given[:, columns])
-        worst = np.maximum(worst, part.max(axis=1))
+    turned = placed.handedness[:, None] < 0
+    factor = placed.factor[:, None]
+    at = np.where(turned, -definition.at.conj(), definition.at) * factor
+    at += placed.position[:, None]
+    arm = np.where(turned, definition.arm.conj(), definition.arm) * factor
+    hand = placed.handedness[:, None] * definition.leaf_frames.handedness
+    radius = seen.radius[rows]
+    gap = np.abs(at[..., None] - seen.at[rows]) + radius[..., None] * np.abs(
+        arm[..., None] - seen.arm[rows]
+    )
+    best = np.where(seen.hand[rows] == hand[..., None], gap, np.inf).min(axis=-1)
+    grown = np.abs(np.abs(arm) - np.abs(seen.arm[rows, 0]))
+    round_gap = np.abs(at - seen.at[rows, 0]) + radius * grown
+    worst = np.where(seen.free[rows], round_gap, best).max(axis=1)
     return np.where(wrong, np.inf, worst)
-
-
-def _distance(terminal: Definition, made: Frames, given: Frames) -> Floats:
-    """Bound on the distance of a terminal drawn at two frames, the better of its equivalents."""
-    if terminal.free:
-        gap = np.abs(made.position - given.position)
-        return np.asarray(gap + terminal.radius * np.abs(made.scale - given.scale))
-    best = np.full(made.x.shape, np.inf)
-    for index in range(len(terminal.stabiliser)):
-        other = compose(given, terminal.stabiliser[index : index + 1])
-        gap = np.abs(made.position - other.position)
-        gap = gap + terminal.radius * np.abs(made.factor - other.factor)
-        best = np.minimum(best, np.where(made.handedness == other.handedness, gap, np.inf))
-    return best

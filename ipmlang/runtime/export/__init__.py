@@ -68,7 +68,7 @@ def _contents(scene: Scene, path: Path, instancing: bool) -> Mapping[Path, Conte
         from ipmlang.formats.png import png_bytes
 
         return {path: png_bytes(drawing)}
-    from ipmlang.formats.mesh_files import mesh_contents
+    from ipmlang.formats.mesh import mesh_contents
     from ipmlang.runtime.export.models import mesh_scene_of
 
     return mesh_contents(mesh_scene_of(scene), path, up=scene.up, instancing=instancing)

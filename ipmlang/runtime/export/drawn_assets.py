@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
@@ -28,13 +29,23 @@ _Read = TypeVar("_Read")
 def drawn_assets(scene: Scene) -> tuple[dict[int, Drawing], tuple[Note, ...]]:
     """The drawings of the assets that rows use, by number, and what their readers noted."""
     used = np.unique(scene.instances.asset)
-    drawings = {number: _drawing(scene.assets[number]) for number in used[used >= 0].tolist()}
+    drawings: dict[int, Drawing] = {}
+    nodes: dict[Path, list[int]] = {}
+    for number in used[used >= 0].tolist():
+        asset = scene.assets[number]
+        _check_drawing(asset)
+        if asset.node is None:
+            drawings[number] = _whole(asset)
+        else:
+            nodes.setdefault(asset.path, []).append(number)
+    for numbers in nodes.values():
+        drawings |= _parts(scene, numbers)
     notes = [note for drawing in drawings.values() for note in drawing.notes]
     return drawings, tuple(dict.fromkeys(notes))
 
 
-def effects_of(reference: AssetRef) -> tuple[Effect, ...]:
-    """The effects of a group of a parts file, outermost first."""
+def effects_of(reference: AssetRef) -> tuple[tuple[str, Effect], ...]:
+    """The effects of a group of a parts file with their ids, outermost first."""
     from ipmlang.formats.svg.parts import read_effect
 
     return _read(reference, lambda: read_effect(reference.path, reference.node or ""))
@@ -79,19 +90,29 @@ def _moved_paint(paint: Paint, matrix: Matrix) -> Paint:
     return replace(paint, matrix=multiply(matrix, paint.matrix))
 
 
-def _drawing(asset: AssetRef) -> Drawing:
-    from ipmlang.formats.svg import read_node, read_svg
-
+def _check_drawing(asset: AssetRef) -> None:
     if asset.path.suffix.lower() not in (".svg", ".svgz"):
         raise fail(
             "not-a-drawing",
             f"the asset `{asset.name}` is no drawing: {asset.path.name}",
             hint="a drawing takes assets from .svg files; write .glb or .obj for solid ones",
         )
-    if asset.node is None:
-        return _read(asset, lambda: read_svg(asset.path))
-    node = asset.node
-    return _read(asset, lambda: read_node(asset.path, node))
+
+
+def _whole(asset: AssetRef) -> Drawing:
+    from ipmlang.formats.svg import read_svg
+
+    return _read(asset, lambda: read_svg(asset.path))
+
+
+def _parts(scene: Scene, numbers: list[int]) -> dict[int, Drawing]:
+    """Assets that are nodes of one file, which is read once for all of them."""
+    from ipmlang.formats.svg import read_nodes
+
+    ids = {number: scene.assets[number].node or "" for number in numbers}
+    first = scene.assets[numbers[0]]
+    found = _read(first, lambda: read_nodes(first.path, dict.fromkeys(ids.values())))
+    return {number: found[node] for number, node in ids.items()}
 
 
 def _read(asset: AssetRef, read: Callable[[], _Read]) -> _Read:

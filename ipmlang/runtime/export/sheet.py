@@ -51,7 +51,8 @@ def drawing_of(scene: Scene) -> Drawing:
 @contextlib.contextmanager
 def _without_collection() -> Iterator[None]:
     """A million small objects that all stay: looking for garbage among them would cost more than
-    making them."""
+    making them.
+    """
     enabled = gc.isenabled()
     gc.disable()
     try:
@@ -210,8 +211,8 @@ class _Sheet:
             return ()
         shift = translate(0.0, self.flip)
         names = []
-        for index, effect in enumerate(effects_of(reference)):
-            names.append(f"{reference.path}#{reference.node} {index}")
+        for name, effect in effects_of(reference):
+            names.append(f"{reference.path}#{name}")
             self.effects[names[-1]] = replace(effect, matrix=multiply(shift, effect.matrix))
         return tuple(names)
 

@@ -1,0 +1,78 @@
+"""Copies of meshes made real, many at once, for formats that know no copies.
+
+Takes a scene of meshes; gives batches of equal meshes with all their vertices in the world. A
+mirrored copy has its faces turned, so that they still face outward. Nothing is written here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.formats.mesh_types import (
+    Z_TO_Y,
+    Floats,
+    Indices,
+    Mesh,
+    MeshScene,
+    reversed_faces,
+    triangulated,
+)
+
+_BATCH = 300_000  # vertices made at a time
+
+
+@dataclass(slots=True)
+class Batch:
+    """k copies of one mesh: `vertices` (k, v, 3) in the world; `mesh` has its faces in the order
+    that faces outward; `name` and `material` are indices into the scene's, material -1 for the
+    mesh's own.
+    """
+
+    mesh: Mesh
+    vertices: Floats
+    name: int
+    material: int
+
+
+def batches(scene: MeshScene, up: Literal["y-up", "z-up"] = "z-up") -> Iterator[Batch]:
+    """All copies, grouped by name, material, mesh and handedness, the groups by first use."""
+    mirrored = np.linalg.det(scene.matrix[:, :, :3]) < 0
+    key = np.stack([scene.name, scene.material, scene.mesh, mirrored.astype(np.int64)], axis=1)
+    distinct, first, inverse = np.unique(key, axis=0, return_index=True, return_inverse=True)
+    rows_by_group = np.argsort(inverse.reshape(-1), kind="stable")
+    ends = np.cumsum(np.bincount(inverse.reshape(-1), minlength=len(distinct)))
+    turn = Z_TO_Y if up == "y-up" else np.eye(3)
+    for group in np.argsort(first).tolist():
+        name, material, number, is_mirrored = distinct[group].tolist()
+        mesh = scene.meshes[number]
+        if not len(mesh.corners):
+            continue
+        mesh = reversed_faces(mesh) if is_mirrored else mesh
+        rows = rows_by_group[ends[group - 1] if group else 0 : ends[group]]
+        step = max(1, _BATCH // len(mesh.vertices))
+        for begin in range(0, len(rows), step):
+            matrices = turn @ scene.matrix[rows[begin : begin + step]]
+            vertices = np.einsum("kij,vj->kvi", matrices[:, :, :3], mesh.vertices)
+            yield Batch(mesh, vertices + matrices[:, None, :, 3], name, material)
+
+
+def world_triangles(
+    scene: MeshScene, up: Literal["y-up", "z-up"] = "z-up"
+) -> tuple[Floats, Indices]:
+    """All copies as vertices (v, 3) and triangles (t, 3)."""
+    vertices: list[NDArray[np.float64]] = [np.zeros((0, 3))]
+    triangles: list[Indices] = [np.zeros((0, 3), np.int64)]
+    count = 0
+    for batch in batches(scene, up):
+        copies, size = batch.vertices.shape[:2]
+        one = batch.mesh.corners[triangulated(batch.mesh)[0]]
+        shifts = count + size * np.arange(copies)
+        triangles.append((one[None] + shifts[:, None, None]).reshape(-1, 3))
+        vertices.append(batch.vertices.reshape(-1, 3))
+        count += copies * size
+    return np.concatenate(vertices), np.concatenate(triangles)

@@ -1,0 +1,259 @@
+"""What a mesh and a scene of meshes are, free of any file format, and what follows from them alone.
+
+Readers make these, writers take them. z points up; faces are counter-clockwise seen from outside.
+Nothing here reads, writes or derives.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.formats.drawing import Note
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+Z_TO_Y = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
+"""Turns a z-up model to y-up: (x, y, z) to (x, z, -y). Its transpose turns back."""
+
+
+@dataclass(frozen=True, slots=True)
+class Material:
+    """A name and a colour: red, green, blue and opacity, 0 to 1, as shown on a screen (sRGB)."""
+
+    name: str
+    color: tuple[float, float, float, float] | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mesh:
+    """Faces over shared vertices.
+
+    vertices (v, 3) f64; corners (c,) the faces' vertices one after the other; offsets (f + 1,)
+    where each face's corners begin; material (f,) index into materials, -1 for none; group (f,)
+    index into groups, each the names that a face goes by (its object, then its groups); uv (c, 2)
+    and normals (c, 3) belong to corners, None if the file had none.
+    """
+
+    vertices: Floats
+    corners: Indices
+    offsets: Indices
+    material: Indices
+    group: Indices
+    materials: tuple[Material, ...] = ()
+    groups: tuple[tuple[str, ...], ...] = ()
+    uv: Floats | None = None
+    normals: Floats | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MeshScene:
+    """Meshes and their copies, in columns of equal length n, so that a million of them are cheap.
+
+    mesh (n,) index into meshes; matrix (n, 3, 4) from the mesh's space to the world; name (n,)
+    index into names; material (n,) index into materials, -1 where the mesh keeps its own; rule
+    (n,) index into rules and key (n,) u64, both empty if nothing is known of rules.
+    """
+
+    meshes: tuple[Mesh, ...]
+    mesh: Indices
+    matrix: Floats
+    name: Indices
+    material: Indices
+    names: tuple[str, ...]
+    materials: tuple[Material, ...] = ()
+    rule: Indices = field(default_factory=lambda: np.zeros(0, np.int64))
+    key: NDArray[np.uint64] = field(default_factory=lambda: np.zeros(0, np.uint64))
+    rules: tuple[str, ...] = ()
+    extras: Mapping[str, str | int] = field(default_factory=dict)
+    notes: tuple[Note, ...] = ()
+
+
+def triangle_mesh(vertices: Floats, triangles: NDArray[np.integer], name: str = "") -> Mesh:
+    """A mesh of triangles (t, 3) without materials."""
+    count = len(triangles)
+    return Mesh(
+        np.asarray(vertices, np.float64),
+        np.asarray(triangles, np.int64).reshape(-1),
+        np.arange(count + 1, dtype=np.int64) * 3,
+        np.full(count, -1, np.int64),
+        np.zeros(count, np.int64),
+        groups=((name,),) if name else ((),),
+    )
+
+
+def single(mesh: Mesh, name: str, notes: tuple[Note, ...] = ()) -> MeshScene:
+    """A scene of one mesh where it stands."""
+    zero = np.zeros(1, np.int64)
+    return MeshScene((mesh,), zero, np.eye(3, 4)[None], zero, zero - 1, (name,), notes=notes)
+
+
+def triangulated(mesh: Mesh) -> tuple[Indices, Indices]:
+    """Corner numbers (t, 3) of triangles that cover the faces, and the face of each (t,).
+
+    Faces of up to four corners are fans; larger ones are cut by ear, as they may be concave.
+    """
+    counts = np.diff(mesh.offsets)
+    many = np.flatnonzero(counts > 4)
+    simple = np.where(counts > 4, 0, np.maximum(counts - 2, 0))
+    face = np.repeat(np.arange(len(counts)), simple)
+    step = np.arange(len(face)) - np.repeat(np.cumsum(simple) - simple, simple)
+    first = mesh.offsets[face]
+    fans = np.stack([first, first + step + 1, first + step + 2], axis=1)
+    if not len(many):
+        return fans, face
+    parts, owners = [fans], [face]
+    for index in many.tolist():
+        begin, end = mesh.offsets[index : index + 2].tolist()
+        ears = _ears(mesh.vertices[mesh.corners[begin:end]])
+        parts.append(ears + begin)
+        owners.append(np.full(len(ears), index))
+    owner = np.concatenate(owners)
+    order = np.argsort(owner, kind="stable")
+    return np.concatenate(parts)[order], owner[order]
+
+
+def _ears(points: Floats) -> Indices:
+    """Triangles (t, 3) of a polygon (m, 3) that is flat or nearly so, oriented as it is."""
+    import mapbox_earcut
+
+    turned = np.roll(points, -1, axis=0)
+    normal = np.cross(points - points[0], turned - points[0]).sum(axis=0)
+    axis = int(np.argmax(np.abs(normal)))
+    flat = np.delete(points, axis, axis=1)
+    if (normal[axis] < 0) != (axis == 1):
+        flat = flat[:, ::-1]
+    flat = np.ascontiguousarray(flat)
+    found = mapbox_earcut.triangulate_float64(flat, np.array([len(flat)], np.uint32))
+    ears = np.asarray(found, np.int64).reshape(-1, 3)
+    if not len(ears):  # a face without area still has its corners
+        steps = np.arange(1, len(points) - 1)
+        return np.stack([np.zeros_like(steps), steps, steps + 1], axis=1)
+    a, b, c = (flat[ears[:, k]] for k in range(3))
+    area = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+    return np.where((area < 0)[:, None], ears[:, ::-1], ears)
+
+
+def chosen_faces(mesh: Mesh, keep: NDArray[np.bool_]) -> Mesh:
+    """The faces that are kept (f,), with only the vertices they use."""
+    counts = np.diff(mesh.offsets)
+    used = np.repeat(keep, counts)
+    corners = mesh.corners[used]
+    vertices, corners = np.unique(corners, return_inverse=True)
+    return replace(
+        mesh,
+        vertices=mesh.vertices[vertices],
+        corners=corners.reshape(-1).astype(np.int64),
+        offsets=np.concatenate([[0], np.cumsum(counts[keep])]).astype(np.int64),
+        material=mesh.material[keep],
+        group=mesh.group[keep],
+        uv=None if mesh.uv is None else mesh.uv[used],
+        normals=None if mesh.normals is None else mesh.normals[used],
+    )
+
+
+def without_bad_faces(mesh: Mesh) -> tuple[Mesh, tuple[Note, ...]]:
+    """The mesh without faces that touch a vertex without a value or that have under three
+    corners apart, and notes that count them.
+    """
+    counts = np.diff(mesh.offsets)
+    finite = np.isfinite(mesh.vertices).all(axis=1)
+    bad = np.concatenate([[0], np.cumsum(~finite[mesh.corners])])
+    lost = bad[mesh.offsets[1:]] > bad[mesh.offsets[:-1]]
+    folded = np.zeros(len(counts), np.bool_)
+    three = np.flatnonzero(counts == 3)
+    a, b, c = (mesh.corners[mesh.offsets[three] + k] for k in range(3))
+    folded[three] = (a == b) | (b == c) | (a == c)
+    flat = (folded | (counts < 3)) & ~lost
+    notes = []
+    if lost.any():
+        message = "faces with a vertex without a value (not a number, or infinite) were left out"
+        notes.append(Note("bad-vertex", message, int(lost.sum())))
+    if flat.any():
+        message = "faces with fewer than three different corners were left out"
+        notes.append(Note("degenerate-face", message, int(flat.sum())))
+    return (chosen_faces(mesh, ~(lost | flat)) if notes else mesh), tuple(notes)
+
+
+def moved(mesh: Mesh, matrix: Floats) -> Mesh:
+    """The mesh under a map (3, 4); a mirroring one turns the faces' order too."""
+    linear = matrix[:, :3]
+    vertices = mesh.vertices @ linear.T + matrix[:, 3]
+    normals = mesh.normals
+    if normals is not None:
+        normals = normals @ np.linalg.pinv(linear)
+        normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    result = replace(mesh, vertices=vertices, normals=normals)
+    return reversed_faces(result) if np.linalg.det(linear) < 0 else result
+
+
+def reversed_faces(mesh: Mesh) -> Mesh:
+    """The mesh with each face's corners in opposite order."""
+    order = reversal(mesh.offsets)
+    return replace(
+        mesh,
+        corners=mesh.corners[order],
+        uv=None if mesh.uv is None else mesh.uv[order],
+        normals=None if mesh.normals is None else mesh.normals[order],
+    )
+
+
+def reversal(offsets: Indices) -> Indices:
+    """The corner numbers (c,) that read every face backwards."""
+    counts = np.diff(offsets)
+    face = np.repeat(np.arange(len(counts)), counts)
+    return offsets[face] + offsets[face + 1] - 1 - np.arange(len(face))
+
+
+def merged(meshes: list[Mesh]) -> Mesh:
+    """All faces in one mesh; materials and groups with equal names become one."""
+    if len(meshes) == 1:
+        return meshes[0]
+    materials: dict[Material, int] = {}
+    groups: dict[tuple[str, ...], int] = {}
+    material, group, corners, offsets = [], [], [], [np.zeros(1, np.int64)]
+    vertices = face_corners = 0
+    for mesh in meshes:
+        into = [materials.setdefault(each, len(materials)) for each in mesh.materials]
+        names = [groups.setdefault(each, len(groups)) for each in mesh.groups]
+        material.append(np.array([*into, -1], np.int64)[mesh.material])
+        group.append(np.array([*names, 0], np.int64)[mesh.group])
+        corners.append(mesh.corners + vertices)
+        offsets.append(mesh.offsets[1:] + face_corners)
+        vertices += len(mesh.vertices)
+        face_corners += len(mesh.corners)
+    empty = np.zeros((0, 3))
+    return Mesh(
+        np.concatenate([empty, *(mesh.vertices for mesh in meshes)]),
+        np.concatenate([np.zeros(0, np.int64), *corners]),
+        np.concatenate(offsets),
+        np.concatenate([np.zeros(0, np.int64), *material]),
+        np.concatenate([np.zeros(0, np.int64), *group]),
+        tuple(materials),
+        tuple(groups) or ((),),
+        _joined([mesh.uv for mesh in meshes]),
+        _joined([mesh.normals for mesh in meshes]),
+    )
+
+
+def _joined(columns: list[Floats | None]) -> Floats | None:
+    """The columns one after the other, None unless every mesh has one."""
+    known = [column for column in columns if column is not None]
+    return np.concatenate(known) if known and len(known) == len(columns) else None
+
+
+def baked(scene: MeshScene) -> Mesh:
+    """All copies of a scene as one mesh in the world; meant for scenes of few copies."""
+    parts = []
+    for row in range(len(scene.mesh)):
+        mesh = moved(scene.meshes[scene.mesh[row]], scene.matrix[row])
+        if scene.material[row] >= 0:
+            count = len(mesh.material)
+            own = scene.materials[scene.material[row]]
+            mesh = replace(mesh, material=np.zeros(count, np.int64), materials=(own,))
+        parts.append(mesh)
+    return merged(parts)

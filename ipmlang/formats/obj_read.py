@@ -1,0 +1,275 @@
+"""OBJ files to meshes: polygons as they are, objects, groups and materials kept by name.
+
+Takes a path; gives one mesh whose faces know the names they go by. Indices that point nowhere are
+errors with their line; lines, points, curves and smoothing are passed over. Materials are looked up
+in libraries beside the file, never elsewhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.formats import FormatError
+from ipmlang.formats.drawing import Note
+from ipmlang.formats.mesh_types import Material, Mesh, MeshScene, single, without_bad_faces
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+_NAMES = ("o", "g", "usemtl", "mtllib")
+
+
+@dataclass(slots=True)
+class _Lines:
+    """The lines of a file by what they say: numbers of lines (from 0) and their texts."""
+
+    points: tuple[Ints, list[str]]
+    textures: tuple[Ints, list[str]]
+    normals: tuple[Ints, list[str]]
+    faces: tuple[Ints, list[str]]
+    named: list[tuple[int, str, str]]
+
+
+def read_obj(path: Path) -> MeshScene:
+    """The mesh of an OBJ file, every face with its object, group and material."""
+    lines = _sorted_lines(_text(path.read_bytes()))
+    vertices = _numbers(*lines.points, 3)
+    textures = _numbers(*lines.textures, 2)
+    normals = _numbers(*lines.normals, 3)
+    counts, corners = _corners(lines, (len(vertices), len(textures), len(normals)))
+    material, materials, group, groups = _labels(lines, path)
+    mesh = Mesh(
+        vertices,
+        corners[:, 0],
+        np.concatenate([[0], np.cumsum(counts)]).astype(np.int64),
+        material,
+        group,
+        materials,
+        groups,
+        textures[corners[:, 1], :2] if len(corners) and corners[:, 1].min() >= 0 else None,
+        normals[corners[:, 2]] if len(corners) and corners[:, 2].min() >= 0 else None,
+    )
+    mesh, notes = without_bad_faces(mesh)
+    return single(mesh, path.stem, (*notes, *_remarks(mesh)))
+
+
+def obj_names(path: Path) -> list[str]:
+    """The names of objects and groups, in order, without reading geometry."""
+    names: dict[str, None] = {}
+    for line in _text(path.read_bytes()).split("\n"):
+        if line[:2] in ("o ", "g "):
+            names.update(dict.fromkeys(_given_names(line[0], line[2:].strip())))
+    return list(names)
+
+
+def _text(data: bytes) -> str:
+    try:
+        text = data.decode("utf-8")
+    except UnicodeDecodeError:
+        text = data.decode("latin-1")
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
+    return text.replace("\\\n", " ") if "\\\n" in text else text
+
+
+def _sorted_lines(text: str) -> _Lines:
+    lines = text.split("\n")
+    kept: dict[str, tuple[list[int], list[str]]] = {
+        word: ([], []) for word in ("v", "vt", "vn", "f")
+    }
+    named: list[tuple[int, str, str]] = []
+    for number, line in enumerate(lines):
+        word, _, rest = line.partition(" ")
+        if word not in kept:
+            # Rare lines may be indented or part their words by tabs.
+            word, _, rest = line.strip().replace("\t", " ").partition(" ")
+        if word in kept:
+            kept[word][0].append(number)
+            kept[word][1].append(rest)
+        elif word in _NAMES:
+            named.append((number, word, rest.strip()))
+    columns = {word: (np.array(at, np.int64), texts) for word, (at, texts) in kept.items()}
+    return _Lines(columns["v"], columns["vt"], columns["vn"], columns["f"], named)
+
+
+def _numbers(at: Ints, texts: Sequence[str], width: int) -> Floats:
+    """The first `width` numbers of each line."""
+    if not texts:
+        return np.zeros((0, width))
+    try:
+        table = np.array(" ".join(texts).split(), dtype=np.float64)
+        if len(table) % len(texts) == 0 and len(table) // len(texts) >= width:
+            columns = len(table) // len(texts)
+            if len(texts[0].split()) == columns and len(texts[-1].split()) == columns:
+                return table.reshape(len(texts), columns)[:, :width]
+    except (ValueError, OverflowError):
+        pass
+    return np.array([_row(n, t, width) for n, t in zip(at.tolist(), texts, strict=True)])
+
+
+def _row(number: int, text: str, width: int) -> list[float]:
+    words = text.split("#")[0].split()[:width]
+    try:
+        values = [float(word) for word in words]
+    except ValueError:
+        raise FormatError(f"`{text.strip()[:60]}` are not {width} numbers", number + 1) from None
+    if width == 2 and len(values) == 1:
+        values.append(0.0)
+    if len(values) < width:
+        raise FormatError(f"`{text.strip()[:60]}` are not {width} numbers", number + 1)
+    return values
+
+
+def _corners(lines: _Lines, sizes: tuple[int, int, int]) -> tuple[Ints, Ints]:
+    """Corners of each face (f,), and their vertex, texture and normal (c, 3), -1 for none."""
+    at, texts = lines.faces
+    counts = np.array([len(text.split()) for text in texts], np.int64)
+    if "#" in "".join(texts):
+        texts = [text.split("#")[0] for text in texts]
+        counts = np.array([len(text.split()) for text in texts], np.int64)
+    if not counts.sum():
+        return counts, np.zeros((0, 3), np.int64)
+    table = _index_table(" ".join(texts), int(counts.sum()))
+    if table is None:
+        table = _mixed_table(at, texts)
+    line = np.repeat(at, counts)
+    places = (lines.points[0], lines.textures[0], lines.normals[0])
+    for column, (place, size) in enumerate(zip(places, sizes, strict=True)):
+        _resolve(table[:, column], line, place, size, column)
+    return counts, table
+
+
+def _index_table(text: str, count: int) -> Ints | None:
+    """The indices where all corners are written alike, 0 for none; None where they are not."""
+    first = text.split(None, 1)[0]
+    slashes = first.count("/")
+    if text.count("/") != slashes * count:
+        return None
+    empty = "//" in first
+    if (empty and text.count("//") != count) or (not empty and "//" in text):
+        return None
+    columns = [0, 2] if empty else list(range(slashes + 1))
+    try:
+        values = np.array(text.replace("/", " ").split(), dtype=np.int64)
+    except (ValueError, OverflowError):
+        return None
+    if len(values) != count * len(columns) or len(columns) > 3:
+        return None
+    table = np.zeros((count, 3), np.int64)
+    table[:, columns] = values.reshape(count, -1)
+    if (table[:, columns] == 0).any():
+        return None
+    return table
+
+
+def _mixed_table(at: Ints, texts: Sequence[str]) -> Ints:
+    faces = zip(at.tolist(), texts, strict=True)
+    return np.array(
+        [_corner(line, word) for line, text in faces for word in text.split()], np.int64
+    )
+
+
+def _corner(number: int, word: str) -> list[int]:
+    parts = word.split("/")
+    try:
+        indices = [int(part) if part else 0 for part in parts]
+    except ValueError:
+        raise FormatError(f"`{word[:40]}` is no corner of a face", number + 1) from None
+    # 0 stands for "not given" further on: written out, it is an index that points nowhere.
+    if len(indices) > 3 or 0 in [i for i, part in zip(indices, parts, strict=True) if part]:
+        raise FormatError(f"`{word[:40]}` is no corner of a face: indices begin at 1", number + 1)
+    if not parts[0] or any(abs(index) > 2**40 for index in indices):
+        raise FormatError(f"`{word[:40]}` is no corner of a face", number + 1)
+    return ([*indices, 0, 0])[:3]
+
+
+def _resolve(column: Ints, line: Ints, place: Ints, size: int, which: int) -> None:
+    """Turn indices as written (from 1, or backwards from the line) into ones from 0, in place."""
+    behind = column < 0
+    if behind.any():
+        column[behind] += np.searchsorted(place, line[behind]) + 1
+        bad = behind & (column <= 0)
+    else:
+        bad = behind
+    bad = bad | (column > size)
+    if bad.any():
+        what = ("vertex", "texture point", "normal")[which]
+        number = int(line[np.argmax(bad)]) + 1
+        raise FormatError(f"a face names a {what} that is not among the {size}", number)
+    column -= 1
+
+
+def _labels(
+    lines: _Lines, path: Path
+) -> tuple[Ints, tuple[Material, ...], Ints, tuple[tuple[str, ...], ...]]:
+    """Material and names of each face, from the lines that stand before it."""
+    known: dict[str, tuple[float, float, float, float]] = {}
+    materials: dict[str, int] = {}
+    groups: dict[tuple[str, ...], int] = {}
+    marks, states = [-1], [(-1, groups.setdefault((), 0))]
+    name: tuple[str, ...] = ()
+    parts: tuple[str, ...] = ()
+    material = -1
+    for number, word, rest in lines.named:
+        match word:
+            case "mtllib":
+                known.update(_library(path.parent, rest))
+                continue
+            case "usemtl":
+                material = materials.setdefault(rest, len(materials))
+            case "o":
+                name, parts = tuple(_given_names("o", rest)), ()
+            case _:
+                parts = tuple(_given_names("g", rest))
+        marks.append(number)
+        states.append((material, groups.setdefault((*name, *parts), len(groups))))
+    row = np.searchsorted(np.array(marks), lines.faces[0]) - 1
+    table = np.array(states, np.int64)[row].reshape(-1, 2)
+    listed = tuple(Material(each, known.get(each)) for each in materials)
+    return table[:, 0], listed, table[:, 1], tuple(groups)
+
+
+def _given_names(word: str, rest: str) -> list[str]:
+    """An object's name may hold blanks, a group line lists names."""
+    if word == "o":
+        return [rest] if rest else []
+    return [each for each in rest.split() if each != "default"]
+
+
+def _library(folder: Path, name: str) -> dict[str, tuple[float, float, float, float]]:
+    """Colours of a material library beside the model; nothing if it is not there."""
+    path = folder / name
+    if not name or Path(name).name != name or not path.is_file():
+        return {}
+    colors: dict[str, tuple[float, float, float, float]] = {}
+    current, opacity = "", 1.0
+    for line in _text(path.read_bytes()).split("\n"):
+        words = line.split()
+        try:
+            match words:
+                case ["newmtl", *rest]:
+                    current, opacity = " ".join(rest), 1.0
+                case ["Kd", red, green, blue]:
+                    colors[current] = (float(red), float(green), float(blue), opacity)
+                case ["d", value] if current in colors:
+                    opacity = float(value)
+                    colors[current] = (*colors[current][:3], opacity)
+        except ValueError:
+            continue
+    return colors
+
+
+def _remarks(mesh: Mesh) -> tuple[Note, ...]:
+    """A warning where coordinates are so large that detail may be lost."""
+    if not len(mesh.vertices) or not len(mesh.corners):
+        return ()
+    used = mesh.vertices[mesh.corners]
+    spread = float(np.ptp(used, axis=0).max())
+    if float(np.abs(used).max()) > 1e9 * max(spread, 1e-300):
+        message = "the model lies so far from the origin that detail is lost"
+        return (Note("precision", message),)
+    return ()

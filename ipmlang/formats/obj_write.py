@@ -1,0 +1,138 @@
+"""Scenes of meshes as OBJ, with a material library beside it where there are materials.
+
+Takes a scene; gives the text of the files in parts, so that a large model is never whole in memory.
+Copies become real; those of one name and material form a group, and polygons stay polygons. Axes
+stay as they are unless y-up is asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.formats.atomic import Content
+from ipmlang.formats.mesh_batches import Batch, batches
+from ipmlang.formats.mesh_types import Indices, Material, Mesh, MeshScene
+from ipmlang.formats.numbers import decimal_text, decimal_texts, decimals_for
+
+_NO_MATERIAL = Material("default", (0.8, 0.8, 0.8, 1.0))
+
+
+def obj_contents(
+    scene: MeshScene, path: Path, *, up: Literal["y-up", "z-up"] = "z-up"
+) -> Mapping[Path, Content]:
+    """The model's text, and that of its material library if some face has a material."""
+    materials = _materials(scene)
+    if not materials:
+        return {path: _model(scene, up, "", {})}
+    library = path.with_suffix(".mtl")
+    names = {material: name for name, material in materials.items()}
+    return {path: _model(scene, up, library.name, names), library: _library(materials)}
+
+
+def _materials(scene: MeshScene) -> dict[str, Material]:
+    """All materials by the names they get: without blanks, and no name twice."""
+    found = [*scene.materials, *(each for mesh in scene.meshes for each in mesh.materials)]
+    named: dict[str, Material] = {}
+    for material in dict.fromkeys(found):
+        stem = _word(material.name) or "material"
+        name, number = stem, 2
+        while name in named:
+            name, number = f"{stem}_{number}", number + 1
+        named[name] = material
+    return named
+
+
+def _library(materials: Mapping[str, Material]) -> str:
+    lines = ["# written by ipmlang"]
+    for name, material in {**materials, _NO_MATERIAL.name: _NO_MATERIAL}.items():
+        red, green, blue, opacity = material.color or (0.8, 0.8, 0.8, 1.0)
+        color = " ".join(decimal_text(each, 7) for each in (red, green, blue))
+        lines += [f"newmtl {name}", f"Kd {color}", f"d {decimal_text(opacity, 7)}"]
+    return "\n".join(lines) + "\n"
+
+
+def _model(
+    scene: MeshScene, up: Literal["y-up", "z-up"], library: str, names: Mapping[Material, str]
+) -> Iterator[str]:
+    yield "# written by ipmlang\n" + (f"mtllib {library}\n" if library else "")
+    counts = np.zeros(3, np.int64)
+    decimals = decimals_for(_extent(scene))
+    group = -1
+    for batch in batches(scene, up):
+        if batch.name != group:
+            group = batch.name
+            yield f"g {_word(scene.names[group]) or 'default'}\n"
+        yield _rows("v", batch.vertices.reshape(-1, 3), decimals)
+        if batch.mesh.uv is not None:
+            yield _rows("vt", batch.mesh.uv, 9)
+        yield from _faces(scene, batch, counts, names)
+        counts += _written(batch)
+
+
+def _written(batch: Batch) -> NDArray[np.int64]:
+    copies, size = batch.vertices.shape[:2]
+    return np.array([copies * size, 0 if batch.mesh.uv is None else len(batch.mesh.uv), 0])
+
+
+def _faces(
+    scene: MeshScene, batch: Batch, counts: NDArray[np.int64], names: Mapping[Material, str]
+) -> Iterator[str]:
+    """The faces of all copies, material by material."""
+    mesh = batch.mesh
+    sizes = np.diff(mesh.offsets)
+    for material in np.unique(mesh.material).tolist() if batch.material < 0 else [-1]:
+        own = batch.material < 0
+        faces = np.flatnonzero(mesh.material == material) if own else np.arange(len(sizes))
+        chosen: Material | None = None
+        if not own:
+            chosen = scene.materials[batch.material]
+        elif material >= 0:
+            chosen = mesh.materials[material]
+        if names:
+            yield f"usemtl {names[chosen] if chosen else _NO_MATERIAL.name}\n"
+        yield _face_rows(mesh, batch.vertices.shape[0], faces, sizes[faces], counts)
+
+
+def _face_rows(
+    mesh: Mesh, copies: int, faces: Indices, sizes: Indices, counts: NDArray[np.int64]
+) -> str:
+    step = np.arange(sizes.sum()) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+    corner = np.repeat(mesh.offsets[faces], sizes) + step
+    shift = counts[0] + 1 + len(mesh.vertices) * np.arange(copies)
+    vertex = (mesh.corners[corner][None] + shift[:, None]).reshape(-1)
+    if mesh.uv is None:
+        numbers, word = vertex, " %d"
+    else:
+        texture = np.tile(corner + counts[1] + 1, copies)
+        numbers, word = np.stack([vertex, texture], axis=1).reshape(-1), " %d/%d"
+    templates = {size: "f" + word * size + "\n" for size in set(sizes.tolist())}
+    template = "".join([templates[size] for size in sizes.tolist()]) * copies
+    return template % tuple(numbers.tolist())
+
+
+def _rows(word: str, values: NDArray[np.float64], decimals: int) -> str:
+    template: str = word + " %s" * int(values.shape[1]) + "\n"
+    return template * len(values) % tuple(decimal_texts(values.reshape(-1), decimals))
+
+
+def _extent(scene: MeshScene) -> float:
+    """The size that precision is measured by: the widest spread of places, or the largest mesh."""
+    extent = 0.0
+    if len(scene.mesh):
+        extent = float(np.ptp(scene.matrix[:, :, 3], axis=0).max())
+    for number, mesh in enumerate(scene.meshes):
+        rows = scene.mesh == number
+        if len(mesh.vertices) and rows.any():
+            scale = float(np.abs(scene.matrix[rows][:, :, :3]).max())
+            extent = max(extent, scale * float(np.ptp(mesh.vertices, axis=0).max()))
+    return extent
+
+
+def _word(name: str) -> str:
+    """A name that is one word, as groups and materials of OBJ have to be."""
+    return "_".join(name.split())

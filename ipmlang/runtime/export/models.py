@@ -1,0 +1,206 @@
+"""A scene as meshes and their copies: segments as cylinders, scopes as boxes, assets as they are.
+
+In goes the instance table, out comes a `MeshScene` of `formats.mesh_types`; every row becomes at
+most one copy, and no mesh is made twice. Nothing is derived and nothing is written here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.compiler.diagnostics import fail
+from ipmlang.formats import FormatError
+from ipmlang.formats.drawing import Note
+from ipmlang.formats.mesh_types import Material, Mesh, MeshScene, baked, triangle_mesh
+from ipmlang.runtime.export.pens import hex_color
+from ipmlang.runtime.export.placing import frame_matrices
+from ipmlang.runtime.scene import OUTLINE, SCOPE, SEGMENT, AssetRef, Scene
+
+Floats = NDArray[np.float64]
+Rows = NDArray[np.intp]
+
+_SIDES = 8
+_THIN = 1 / 200  # width of a segment whose pen sets none, as a share of the scene's extent
+
+
+def mesh_scene_of(scene: Scene) -> MeshScene:
+    """The meshes and copies of a scene; an `IpmError` if an asset is wrong."""
+    return _Model(scene).mesh_scene()
+
+
+@dataclass(slots=True)
+class _Model:
+    """The copies while they are gathered, part by part; `row` says which row each comes from."""
+
+    scene: Scene
+    meshes: list[Mesh] = field(default_factory=list)
+    mesh: list[NDArray[np.int64]] = field(default_factory=list)
+    matrix: list[Floats] = field(default_factory=list)
+    row: list[Rows] = field(default_factory=list)
+    notes: list[Note] = field(default_factory=list)
+
+    def mesh_scene(self) -> MeshScene:
+        table = self.scene.instances
+        draw: dict[int, Callable[[Rows], None]] = {
+            SEGMENT: self._segments,
+            OUTLINE: self._polygons,
+            SCOPE: self._scopes,
+        }
+        for kind in np.unique(table.asset).tolist():
+            rows = np.flatnonzero(table.asset == kind)
+            if kind in draw:
+                draw[kind](rows)
+            else:
+                self._add(self._asset(self.scene.assets[kind]), rows, frame_matrices(table, rows))
+        if not self.row:
+            raise fail("nothing-drawn", "this grammar draws nothing, so there is no model to write")
+        row = np.concatenate(self.row)
+        order = np.argsort(row, kind="stable")
+        row = row[order]
+        material, materials = self._materials(row)
+        return MeshScene(
+            tuple(self.meshes),
+            np.concatenate(self.mesh)[order],
+            np.concatenate(self.matrix)[order],
+            table.label[row].astype(np.int64),
+            material,
+            self.scene.labels,
+            materials,
+            table.rule[row].astype(np.int64),
+            table.key[row],
+            tuple(origin.rule for origin in self.scene.rules),
+            {"seed": self.scene.seed},
+            tuple(self.notes),
+        )
+
+    def _add(self, mesh: Mesh, rows: Rows, matrices: Floats) -> None:
+        if len(rows):
+            self.mesh.append(np.full(len(rows), len(self.meshes), np.int64))
+            self.meshes.append(mesh)
+            self.matrix.append(matrices)
+            self.row.append(rows)
+
+    def _segments(self, rows: Rows) -> None:
+        """Cylinders along the frames' x; the pen's width is not scaled by the frame."""
+        table = self.scene.instances
+        rows = rows[table.size[rows, 0] != 0]
+        matrices = frame_matrices(table, rows)
+        length = table.size[rows, 0] * np.abs(table.scale[rows])
+        axes = matrices[:, :, :3] / np.abs(table.scale[rows])[:, None, None]
+        width = np.where(np.isnan(table.width[rows]), self._default_width(), table.width[rows])
+        scale = np.stack([length, width, width], axis=1)
+        matrices = np.concatenate([axes * scale[:, None, :], matrices[:, :, 3:]], axis=2)
+        self._add(unit_cylinder(_SIDES), rows, matrices)
+
+    def _default_width(self) -> float:
+        table = self.scene.instances
+        ends = table.position
+        heading = frame_matrices(table, np.arange(len(table)))[:, :, 0] * table.size[:, :1]
+        extent = float(np.ptp(np.concatenate([ends, ends + heading]), axis=0).max())
+        return extent * _THIN or 1.0
+
+    def _scopes(self, rows: Rows) -> None:
+        """The box of each scope; a scope without extent draws nothing."""
+        table = self.scene.instances
+        rows = rows[(table.size[rows] != 0).sum(axis=1) >= 2]
+        size = table.size[rows]
+        matrices = frame_matrices(table, rows)
+        # A rectangle has no extent along its third axis, whose length must not vanish all the same.
+        matrices[:, :, :3] *= np.where(size == 0, 1.0, size)[:, None, :]
+        solid = (size != 0).all(axis=1)
+        self._add(unit_cube(), rows[solid], matrices[solid])
+        for axis in range(3):
+            flat = size[:, axis] == 0
+            self._add(unit_square(axis), rows[flat], matrices[flat])
+
+    def _polygons(self, rows: Rows) -> None:
+        """Each turtle polygon is a mesh of its own, where it stands."""
+        for row in rows.tolist():
+            corners = self.scene.polygons[self.scene.instances.shape[row]]
+            points = np.zeros((len(corners), 3))
+            points[:, : corners.shape[1]] = corners
+            count = len(points)
+            face = Mesh(
+                points,
+                np.arange(count),
+                np.array([0, count]),
+                np.array([-1]),
+                np.array([0]),
+                groups=((),),
+            )
+            self._add(face, np.array([row]), np.eye(3, 4)[None])
+
+    def _asset(self, asset: AssetRef) -> Mesh:
+        from ipmlang.formats.mesh import read_meshes
+
+        if asset.path.suffix.lower() in (".svg", ".svgz"):
+            raise fail(
+                "not-a-model",
+                f"the asset `{asset.name}` is a drawing: {asset.path.name}",
+                hint="write .svg or .png; a model takes assets from glb, obj, ply and stl files",
+            )
+        try:
+            found = read_meshes(asset.path, asset.node)
+        except FormatError as error:
+            place = f"{asset.path.name}:{error.line}" if error.line else asset.path.name
+            raise fail("bad-asset", f"{place}: {error.message}", hint=error.hint) from error
+        self.notes += found.notes
+        return baked(found)
+
+    def _materials(self, row: Rows) -> tuple[NDArray[np.int64], tuple[Material, ...]]:
+        """What the pen sets for each copy: a named material, a colour, both, or neither (-1)."""
+        table = self.scene.instances
+        key = np.stack([table.style[row].astype(np.int64), table.color[row].astype(np.int64)], 1)
+        if not key[:, 1].any() and not any(style.material for style in self.scene.styles):
+            return np.full(len(row), -1, np.int64), ()
+        distinct, inverse = np.unique(key, axis=0, return_inverse=True)
+        found: dict[Material, int] = {}
+        number = []
+        for style, color in distinct.tolist():
+            material = _material(self.scene.styles[style].material, color)
+            number.append(-1 if material is None else found.setdefault(material, len(found)))
+        return np.array(number, np.int64)[inverse.reshape(-1)], tuple(found)
+
+
+def _material(name: str, color: int) -> Material | None:
+    if not color:
+        return Material(name) if name else None
+    parts = [(color >> shift & 255) / 255 for shift in (24, 16, 8, 0)]
+    return Material(name or hex_color(color)[0], (parts[0], parts[1], parts[2], parts[3]))
+
+
+def unit_cylinder(sides: int) -> Mesh:
+    """From the origin along x to 1, of diameter 1, closed, with polygons for its ends."""
+    angle = np.arange(sides) * (2 * np.pi / sides)
+    ring = np.stack([np.zeros(sides), np.cos(angle) / 2, np.sin(angle) / 2], axis=1)
+    vertices = np.concatenate([ring, ring + np.array([1.0, 0.0, 0.0])])
+    near = np.arange(sides)
+    after = (near + 1) % sides
+    quads = np.stack([near, after, after + sides, near + sides], axis=1).reshape(-1)
+    corners = np.concatenate([quads, near[::-1], near + sides])
+    offsets = np.concatenate([4 * np.arange(sides + 1), 4 * sides + sides * np.array([1, 2])])
+    count = sides + 2
+    none, group = np.full(count, -1, np.int64), np.zeros(count, np.int64)
+    return Mesh(vertices, corners.astype(np.int64), offsets, none, group, groups=(("segment",),))
+
+
+def unit_cube() -> Mesh:
+    """From the origin to (1, 1, 1), six quads."""
+    vertices = np.array([[k & 1, k >> 1 & 1, k >> 2] for k in range(8)], np.float64)
+    quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
+    none, group = np.full(6, -1, np.int64), np.zeros(6, np.int64)
+    corners = np.array(quads, np.int64).reshape(-1)
+    return Mesh(vertices, corners, np.arange(7) * 4, none, group, groups=(("box",),))
+
+
+def unit_square(axis: int) -> Mesh:
+    """From the origin to 1 along the two axes other than `axis`, as two triangles."""
+    first, second = (axis + 1) % 3, (axis + 2) % 3
+    vertices = np.zeros((4, 3))
+    vertices[[1, 2], first] = 1.0
+    vertices[[2, 3], second] = 1.0
+    return triangle_mesh(vertices, np.array([[0, 1, 2], [0, 2, 3]]), "rectangle")
