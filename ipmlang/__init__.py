@@ -14,7 +14,7 @@ The tour, from a text to a picture:
 3
 >>> ipmlang.save(scene, "fence.svg")  # doctest: +SKIP
 
-A file is `ipmlang.load("fence.ipm")`; a drawing becomes a grammar with `ipmlang.infer("fence.svg")`.
+A file is `ipmlang.load("fence.ipm")`; `ipmlang.infer("fence.svg")` turns a drawing into a grammar.
 Every error is an `ipmlang.IpmError`, whose `diagnostics` say what, where and how to mend it.
 """
 
@@ -97,7 +97,7 @@ def infer(path: str | Path, *, method: str = "auto", flat: bool = False) -> Infe
 
 
 def save(scene: Scene, path: str | Path) -> None:
-    """Write a scene as svg, png, obj, glb, ply or stl, by the path's suffix; whole or not at all."""
+    """Write a scene as svg, png, obj, glb, ply or stl, by the suffix; whole or not at all."""
     from ipmlang.runtime.export import save as save_scene
 
     save_scene(scene, Path(path))

@@ -51,7 +51,7 @@ def run_command_line(arguments: Sequence[str]) -> int:
     except BrokenPipeError:
         return 0
     except MemoryError:
-        click.echo("error[memory]: this machine has no memory left for it; nothing was written", err=True)
+        click.echo("error[memory]: there is no memory left for it; nothing was written", err=True)
         return USER_FILE_WRONG
     return 0
 
@@ -75,21 +75,55 @@ def commands() -> None:
 
 @commands.command()
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("-o", "--output", required=True, type=click.Path(path_type=Path),
-              help="where to write: .svg .png .obj .glb .ply .stl")
-@click.option("--seed", type=click.IntRange(0, 2**64 - 1), default=0, show_default=True,
-              help="the number all randomness comes from")
-@click.option("--set", "settings", multiple=True, metavar="NAME=VALUE",
-              help="give an attribute a value; may be repeated")
-@click.option("--backend", type=click.Choice(["auto", "cpu", "gpu"]), default="auto",
-              show_default=True, help="what derives the grammar")
-@click.option("--limit", "limits", multiple=True, metavar="KIND=NUMBER",
-              help="stop at so many shapes, steps, depth or bytes of memory")
+@click.option(
+    "-o",
+    "--output",
+    required=True,
+    type=click.Path(path_type=Path),
+    help="where to write: .svg .png .obj .glb .ply .stl",
+)
+@click.option(
+    "--seed",
+    type=click.IntRange(0, 2**64 - 1),
+    default=0,
+    show_default=True,
+    help="the number all randomness comes from",
+)
+@click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="give an attribute a value; may be repeated",
+)
+@click.option(
+    "--backend",
+    type=click.Choice(["auto", "cpu", "gpu"]),
+    default="auto",
+    show_default=True,
+    help="what derives the grammar",
+)
+@click.option(
+    "--limit",
+    "limits",
+    multiple=True,
+    metavar="KIND=NUMBER",
+    help="stop at so many shapes, steps, depth or bytes of memory",
+)
 @click.option("--allow-outside", is_flag=True, help="let assets lie outside the grammar's folder")
 @click.option("--instancing", is_flag=True, help="write glb instances with EXT_mesh_gpu_instancing")
 @click.option("--json", "as_json", is_flag=True, help="print one JSON object")
-def run(file: Path, output: Path, seed: int, settings: tuple[str, ...], backend: str,
-        limits: tuple[str, ...], allow_outside: bool, instancing: bool, as_json: bool) -> None:
+def run(
+    file: Path,
+    output: Path,
+    seed: int,
+    settings: tuple[str, ...],
+    backend: str,
+    limits: tuple[str, ...],
+    allow_outside: bool,
+    instancing: bool,
+    as_json: bool,
+) -> None:
     """Derive the grammar in FILE and write what it draws.
 
     \b
@@ -122,10 +156,19 @@ def run(file: Path, output: Path, seed: int, settings: tuple[str, ...], backend:
 
 @commands.command()
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("-o", "--output", type=click.Path(path_type=Path),
-              help="the grammar to write, .ipm; its parts file goes beside it")
-@click.option("--method", type=click.Choice(["auto", "lsystem", "split", "docking"]),
-              default="auto", show_default=True, help="which inverse method")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    help="the grammar to write, .ipm; its parts file goes beside it",
+)
+@click.option(
+    "--method",
+    type=click.Choice(["auto", "lsystem", "split", "docking"]),
+    default="auto",
+    show_default=True,
+    help="which inverse method",
+)
 @click.option("--flat", is_flag=True, help="one placement per element, no rules: the baseline")
 @click.option("--json", "as_json", is_flag=True, help="print one JSON object")
 def infer(file: Path, output: Path | None, method: str, flat: bool, as_json: bool) -> None:
@@ -272,7 +315,7 @@ def parse_limits(limits: Limits, words: Sequence[str]) -> Limits:
             value = -1
         if kind not in kinds or value < 0:
             raise fail("bad-command", f"`--limit {word}` is not a limit",
-                       hint=f"write --limit kind=number with kind one of {', '.join(kinds)}")  # fmt: skip
+                       hint=f"write --limit kind=number; kinds are {', '.join(kinds)}")  # fmt: skip
         limits = replace(limits, **{kind: value})
     return limits
 
@@ -293,7 +336,7 @@ def run_report(scene: Scene, seconds: float, writing: float, output: Path) -> di
 
 
 def tell_inference(found: Inference, output: Path | None, as_json: bool) -> None:
-    """Print an inference: its JSON report, its summary, or, without an output, the grammar itself."""
+    """Print an inference: its report as JSON, its summary, or, without an output, the grammar."""
     if as_json:
         click.echo(json.dumps(found.report.as_record()))
     elif output is None:

@@ -25,8 +25,8 @@ class Outline:
 
     kind: (n,) uint8, LINE, QUADRATIC, CUBIC or ARC.
     coords: (n, 4, 2) f64. LINE uses points 0-1, QUADRATIC 0-2, CUBIC 0-3 (the rest is zero). ARC is
-        (centre, u, v, (start, sweep)): point(t) = centre + u cos(a) + v sin(a), a = start + sweep t,
-        radians, so that any affine map acts on centre, u and v alone.
+        (centre, u, v, (start, sweep)): point(t) = centre + u cos(a) + v sin(a) with
+        a = start + sweep t in radians, so that any affine map acts on centre, u and v alone.
     starts: (s + 1,) int32, segment offsets of the s subpaths.
     closed: (s,) bool, subpath ends with a closing command (its closing line is a segment of its own
         unless the subpath already ended where it began).
@@ -40,7 +40,7 @@ class Outline:
 
 @dataclass(frozen=True, slots=True)
 class PaintServer:
-    """A gradient or pattern as paint: its definition as XML and the map from its space to the world.
+    """A gradient or pattern as paint: its definition as XML and the map from its space to world.
 
     `xml` is canonical and self-contained: gradientUnits/patternUnits userSpaceOnUse, hrefs
     resolved, no id, no transform attribute. `matrix` is (a, b, c, d, e, f).
@@ -59,8 +59,8 @@ class Style:
     """Resolved presentation of one element, hashable.
 
     fill, stroke: `none`, `#rrggbb`, or a paint server. stroke_width, dashes and dash offset are in
-    world units (scaled by the square root of |det| of the element's matrix). `more` holds every other
-    property that differs from SVG's initial value, sorted: (("fill-rule", "evenodd"), …).
+    world units (scaled by the square root of |det| of the element's matrix). `more` holds every
+    other property that differs from SVG's initial value, sorted: (("fill-rule", "evenodd"), …).
     stroke_matrix: None, or (a, b, c, d) when the pen is an ellipse (stroke under a non-similar
     transform): the linear part of the element's matrix divided by the square root of |det|.
     effects: keys into Drawing.effects, outermost first.
@@ -79,7 +79,8 @@ class Style:
 @dataclass(frozen=True, slots=True)
 class Fragment:
     """Text, a raster image or foreign content that is carried through: self-contained XML (what it
-    refers to included) that `matrix` (a, b, c, d, e, f) maps from its own space to the world."""
+    refers to included) that `matrix` (a, b, c, d, e, f) maps from its own space to the world.
+    """
 
     kind: str
     xml: str
@@ -90,8 +91,8 @@ class Fragment:
 class Effect:
     """A group effect (opacity, clip-path, mask, filter, blend mode) that wraps a run of elements.
 
-    `attributes` are the presentation attributes of the group, `definitions` the self-contained XML of
-    what they refer to (ids as in the attributes), `matrix` the group's own space to the world.
+    `attributes` are the presentation attributes of the group, `definitions` the self-contained XML
+    of what they refer to (ids as in the attributes), `matrix` the group's own space to the world.
     """
 
     attributes: tuple[tuple[str, str], ...]
@@ -101,8 +102,9 @@ class Effect:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DrawnElement:
-    """One drawn thing: an outline with its style, or a fragment. `source` is the id and class of the
-    element and the ids of its groups, outermost first, hints for names: ("forest", "tree", "leaf")."""
+    """One drawn thing: an outline with its style, or a fragment. `source` is the id and class of
+    the element and the ids of its groups, outermost first, hints for names: ("forest", "leaf").
+    """
 
     outline: Outline | None
     style: Style
@@ -122,8 +124,9 @@ class Note:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Drawing:
-    """A whole drawing. `box` is the viewBox (x, y, width, height), None if neither it nor a size was
-    given; width and height are the root's attributes as written."""
+    """A whole drawing. `box` is the viewBox (x, y, width, height), None if neither it nor a size
+    was given; width and height are the root's attributes as written.
+    """
 
     elements: tuple[DrawnElement, ...]
     box: tuple[float, float, float, float] | None = None

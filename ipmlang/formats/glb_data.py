@@ -22,7 +22,7 @@ Object: TypeAlias = "dict[str, Json]"
 
 _COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
-_LARGEST = 200_000_000  # numbers of an accessor without data of its own
+_LARGEST = 3_000_000  # numbers of an accessor without data of its own
 
 
 @dataclass(slots=True)

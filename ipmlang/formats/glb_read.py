@@ -156,6 +156,9 @@ class _Reader:
         columns = {name: read_accessor(self.file, index) for name, index in attributes.items()}
         usual = {"TRANSLATION": [0.0] * 3, "ROTATION": [0.0, 0, 0, 1], "SCALE": [1.0] * 3}
         count = max((len(column) for column in columns.values()), default=0)
+        for name, values in usual.items():
+            if name in columns and columns[name].shape != (count, len(values)):
+                raise FormatError(f"{_INSTANCING} has a wrong number of values for {name}")
         table = {
             name: columns.get(name, np.tile(np.array(values), (count, 1)))
             for name, values in usual.items()

@@ -42,7 +42,8 @@ def mesh_names(path: Path | str) -> tuple[str, ...]:
 def read_meshes(path: Path | str, node: str | None = None) -> MeshScene:
     """A model with its copies, or the part of it that goes by a name."""
     path = Path(path)
-    with _explained(path):
+    # Broken files hold numbers of all kinds; those without a value are looked for afterwards.
+    with _explained(path), np.errstate(all="ignore"):
         scene = _read(path, node)
     if not any(len(mesh.corners) for mesh in scene.meshes):
         raise FormatError(f"there are no faces in {path.name}", hint=_why_empty(scene))
@@ -132,7 +133,8 @@ def _absent(path: Path) -> tuple[str, ...]:
 
 
 def _why_empty(scene: MeshScene) -> str | None:
-    return "; ".join(f"{note.message} ({note.count})" for note in scene.notes) or None
+    said = "; ".join(f"{note.message} ({note.count})" for note in scene.notes)
+    return said or "it may be cut off, or hold points and lines alone"
 
 
 @contextmanager

@@ -161,7 +161,7 @@ def without_bad_faces(mesh: Mesh) -> tuple[Mesh, tuple[Note, ...]]:
     corners apart, and notes that count them.
     """
     counts = np.diff(mesh.offsets)
-    finite = np.isfinite(mesh.vertices).all(axis=1)
+    finite = np.asarray(np.isfinite(mesh.vertices).all(axis=1))
     bad = np.concatenate([[0], np.cumsum(~finite[mesh.corners])])
     lost = bad[mesh.offsets[1:]] > bad[mesh.offsets[:-1]]
     folded = np.zeros(len(counts), np.bool_)

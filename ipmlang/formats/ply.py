@@ -7,6 +7,7 @@ is taken. Properties other than position, normal and texture are passed over.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -37,6 +38,7 @@ _TYPES = {
 }
 _ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 _LONGEST_HEADER = 65_536
+_COUNT = re.compile(r"[0-9]{1,15}")
 
 Ints = NDArray[np.int64]
 
@@ -110,7 +112,7 @@ def _header(data: bytes) -> tuple[str, list[_Element], int]:
         match words:
             case ["format", kind, *_] if kind in _ORDERS:
                 order = _ORDERS[kind]
-            case ["element", name, count] if count.isdigit():
+            case ["element", name, count] if _COUNT.fullmatch(count):
                 elements.append(_Element(name, int(count), []))
             case ["property", "list", count, kind, name] if elements:
                 types = _kind(kind, number), _kind(count, number)

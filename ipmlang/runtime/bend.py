@@ -27,9 +27,7 @@ class Bending:
     along -z here, as it is until the end of a derivation in the book's axes.
     """
 
-    def __init__(
-        self, tropism: tuple[float, float, float, float] | None, up: float = 1.0
-    ) -> None:
+    def __init__(self, tropism: tuple[float, float, float, float] | None, up: float = 1.0) -> None:
         x, y, z, elasticity = tropism or (0.0, 0.0, 0.0, 0.0)
         self._tropism = (x, y * up, z * up, elasticity)
         self._up = up
@@ -42,9 +40,9 @@ class Bending:
             rows = np.flatnonzero(kind == flag)
             if len(rows):
                 found = tuple(column[rows] for column in rotation)
-                changed = (
-                    levelled(found, hand[rows], self._up) if flag == LEVEL else self._bent(found, hand[rows])
-                )
+                side = hand[rows]
+                level = flag == LEVEL
+                changed = levelled(found, side, self._up) if level else self._bent(found, side)
                 for column, values in zip(rotation, scan.normalised(changed), strict=True):
                     column[rows] = values
         return (*rotation, kind, hand)

@@ -6,13 +6,11 @@ In go the setting of a run, out come functions by production or symbol. Nothing 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TypeAlias, cast
 
 from ipmlang.compiler import ir
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.runtime import keys
-from ipmlang.runtime.algebra import Source
 from ipmlang.runtime.bodies import (
     OWN,
     Scope,
@@ -20,26 +18,13 @@ from ipmlang.runtime.bodies import (
     State,
     Writer,
 )
+from ipmlang.runtime.chains import Chain, Drawing, tail_of, walk_of
 from ipmlang.runtime.choose import OVER, told
-from ipmlang.runtime.code import Names, compile_values, expression, needed, source
+from ipmlang.runtime.code import compile_values, source
 from ipmlang.runtime.primitives import UnscannableError, function, names_for
 
 Body: TypeAlias = Callable[..., tuple[object, ...]]
 Choose: TypeAlias = Callable[[tuple[float, ...], int, int], int]
-
-
-@dataclass(frozen=True, slots=True)
-class Chain:
-    """A production whose tail makes its own symbol again.
-
-    `loop` walks from (params, k0, k1) while the production is taken, `limit` steps at most: columns
-    of the parameters, both words of the keys, and what the last one becomes. `body` draws all rows
-    at once and returns their slots and the state after the last.
-    """
-
-    production: int
-    loop: Callable[..., tuple[list[list[float]], list[int], list[int], tuple[float, ...], int, int]]
-    body: Callable[..., tuple[tuple[object, ...], tuple[object, ...]]]
 
 
 class Compiled:
@@ -206,20 +191,17 @@ class Compiled:
         attrs, tables = self._setting.attrs, self._tables()
         return lambda params, k0, k1: single(params, k0, k1, {}, attrs, tables)[0]  # type: ignore[arg-type]
 
-    # -------------------------------------------------------------------------- chains
-
     def _chain(self, symbol: int) -> Chain | None:
         numbers = self._program.symbols[symbol].productions
         if self._program.steps is not None or not numbers:
             return None
         production = self.production(numbers[0])
-        tail = _tail(production, symbol)
-        if tail is None or production.chance is not None or production.guard is None:
+        tail = tail_of(production, symbol)
+        if tail is None:
             return None
         writer = Writer(self._setting, single=False, tail=tail)
-        scope = _scope(production.parameters)
         try:
-            writer.chain(production.body, scope, self._state())
+            writer.chain(production.body, _scope(production.parameters), self._state())
         except UnscannableError:
             return None
         assert writer.ended is not None
@@ -232,92 +214,9 @@ class Compiled:
             f"({slots}), ({ended})",
             self._space(False),
         )
-        return Chain(numbers[0], self._loop(production, tail), cast("Body", body))  # type: ignore[arg-type]
-
-    def _loop(self, production: ir.Production, tail: ir.Instruction) -> Callable[..., object]:
-        """The source of a chain's loop: guard, parameters and key, all in place."""
-        assert production.guard is not None
-        count = production.parameters
-        guard, taken = self._inline(production.guard[0], (production.guard[1],))
-        values, following = self._inline(production.body, tail.args)
-        params = [f"p{number}" for number in range(count)]
-        site = (tail.site * 1664525 + 1013904223) & keys.MASK
-        lines = [
-            *(f"q{number} = []" for number in range(count)),
-            "a0, a1 = [], []",
-            *(f"note{number} = q{number}.append" for number in range(count)),
-            "note_k0, note_k1 = a0.append, a1.append",
-            "for _ in range(limit):",
-            *(f"    {line}" for line in guard),
-            f"    if not {source(taken[0])}:",
-            "        break",
-            *(f"    note{number}(p{number})" for number in range(count)),
-            "    note_k0(k0)",
-            "    note_k1(k1)",
-            *(f"    {line}" for line in values),
-            *(
-                [f"    {', '.join(params)}, = {', '.join(map(source, following))},"]
-                if count
-                else []
-            ),
-            *(f"    {line}" for line in _next_key(site)),
-        ]
-        columns = "".join(f"q{number}, " for number in range(count))
-        result = f"[{columns}], a0, a1, ({''.join(name + ', ' for name in params)}), k0, k1"
-        made = function(lines, ["limit", "k0", "k1", *params], result, self._space(True))
-        return made
-
-    def _inline(
-        self, instructions: tuple[ir.Instruction, ...], outputs: tuple[int, ...]
-    ) -> tuple[list[str], list[str | float]]:
-        write = Source()
-        write.name = lambda: f"t{len(write.lines)}_{outputs[0] if outputs else 0}"  # type: ignore[method-assign]
-        names = Names(lambda i: f"p{i}", lambda i: self._setting.attrs[i], lambda i: "", "k0, k1")
-        wanted = needed(instructions, outputs)
-        values: dict[int, str | float] = {}
-        for each in instructions:
-            if each.out in wanted:
-                args = [values[arg] for arg in each.args]
-                found = _quick(each, args) or expression(each, args, names)
-                values[each.out] = write.let(found) if isinstance(found, str) else found
-        return write.lines, [values[register] for register in outputs]
-
-
-def _quick(each: ir.Instruction, args: list[str | float]) -> str | None:
-    """A comparison that is decided without a call unless its sides are close."""
-    name = str(each.const)
-    if each.op != "call" or name not in ("lt", "gt") or not any(isinstance(a, str) for a in args):
-        return None
-    low, high = [source(arg) for arg in (args if name == "lt" else args[::-1])]
-    if "0.0" in (low, high):
-        return f"({low} < {high})"  # nothing but 0 itself is close to 0
-    return f"({high} - {low} > 1e-9 * (abs({low}) + abs({high})) or f_lt({low}, {high}))"
-
-
-def _next_key(site: int) -> list[str]:
-    """pcg3d of (k0, k1, site), whose third word is known."""
-    return [
-        "k1 = k1 * 1664525 + 1013904223",
-        f"k0 = (k0 * 1664525 + 1013904223 + k1 * {site}) & 4294967295",
-        f"k1 = (k1 + {site} * k0) & 4294967295",
-        f"k2 = ({site} + k0 * k1) & 4294967295",
-        "k0 ^= k0 >> 16",
-        "k1 ^= k1 >> 16",
-        "k2 ^= k2 >> 16",
-        "k0 = (k0 + k1 * k2) & 4294967295",
-        "k1 = (k1 + k2 * k0) & 4294967295",
-    ]
+        walk = walk_of(production, tail, self._setting.attrs, self._space(True))
+        return Chain(numbers[0], walk, cast("Drawing", body))
 
 
 def _scope(parameters: int) -> Scope:
     return Scope("n", "k0", "k1", tuple(f"p{number}" for number in range(parameters)), {})
-
-
-def _tail(production: ir.Production, symbol: int) -> ir.Instruction | None:
-    """The last module of a body, where it makes the body's own symbol again."""
-    for each in reversed(production.body):
-        if each.op == "module":
-            return each if each.const == symbol and each.site >= 0 else None
-        if each.op == "repeat":
-            return None
-    return None

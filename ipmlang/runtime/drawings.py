@@ -48,8 +48,7 @@ class Chunk:
         """A column's values for the rows that drew."""
         if self.rows is None or not isinstance(value, np.ndarray):
             return value
-        chosen: Values = value[self.rows]
-        return chosen
+        return value[self.rows]  # type: ignore[return-value]  # the same kind of array
 
     def key(self) -> NDArray[np.uint64]:
         """The keys of what was drawn, packed."""

@@ -85,7 +85,9 @@ class Origin:
 
 @dataclass(slots=True, eq=False)
 class Scene:
-    """Everything an exporter needs. `flat`: nothing leaves z = 0. `canvas`: x, y, width, height, y up."""
+    """Everything an exporter needs. `flat`: nothing leaves z = 0. `canvas`: x, y, width,
+    height, y up.
+    """
 
     instances: Instances
     assets: tuple[AssetRef, ...]

@@ -117,7 +117,7 @@ class Single:
         start = frontier.begin(symbol, 1)
         inner: tuple[Slot, ...] = (Copies(counts, owner, slots), Made(start, 1))  # type: ignore[arg-type]
         frontier.order.records.append(Record(np.array([number], np.int32), inner))
-        final = tuple(float(np.asarray(value).reshape(-1)[-1]) for value in ended)  # type: ignore[arg-type]
+        final = tuple(float(np.asarray(value).reshape(-1)[-1]) for value in ended)
         self._waiting.append((symbol, generation + count, start, end0, end1, rule, last, final))
         self._open()
         return True

@@ -47,7 +47,8 @@ def timed(work: Callable[[], T]) -> tuple[float, T]:
 
 def main() -> None:
     """Print one line a size: parse and check, the same after an edit of one rule."""
-    print(f"{'bytes':>9} {'errors':>6} {'load s':>8} {'check s':>8} {'edited load':>12} {'check':>8}")
+    words = ("bytes", "errors", "load s", "check s", "edited load", "check")
+    print("{:>9} {:>6} {:>8} {:>8} {:>12} {:>8}".format(*words))
     with TemporaryDirectory() as folder:
         path = Path(folder) / "large.ipm"
         for size in (250_000, 500_000, 1_000_000):

@@ -137,7 +137,8 @@ def test_two_processes_write_the_same_bytes(tmp_path: Path) -> None:
         encoding="utf-8",
     )
     for name in ("one.svg", "two.svg"):
-        assert ipmlang("run", "bush.ipm", "-o", name, "--seed", "5", folder=tmp_path).returncode == 0
+        done = ipmlang("run", "bush.ipm", "-o", name, "--seed", "5", folder=tmp_path)
+        assert done.returncode == 0
     assert (tmp_path / "one.svg").read_bytes() == (tmp_path / "two.svg").read_bytes()
 
 

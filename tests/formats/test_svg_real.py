@@ -85,8 +85,10 @@ def test_dots(data: Path) -> None:
 # lighter edges.
 @pytest.mark.parametrize("name", sorted({*COUNTS} - {"resvg_use_nested", "vpype_halftone"}))
 @pytest.mark.parametrize("split", [False, True], ids=["whole", "split"])
-def test_same_picture(data: Path, name: str, split: bool) -> None:
+def test_same_picture(data: Path, name: str, split: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """Read and written again, a drawing looks the same to an independent renderer."""
+    monkeypatch.setenv("LANGUAGE", "en")
+    monkeypatch.setenv("LC_ALL", "en_US.UTF-8")
     path = data / "svg" / f"{name}.svg"
     drawing = read_svg(path)
     given = pixels(path.read_bytes().decode("latin-1").replace('encoding="iso-8859-1"', ""))

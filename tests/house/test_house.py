@@ -42,7 +42,18 @@ def test_a_file_has_one_subject() -> None:
 
 def test_importing_the_package_stays_light() -> None:
     """`import ipmlang` and the command line load none of the heavy libraries."""
-    heavy = "trimesh scipy shapely svgpathtools networkx moderngl PIL rich lxml manifold3d".split()
+    heavy = [
+        "trimesh",
+        "scipy",
+        "shapely",
+        "svgpathtools",
+        "networkx",
+        "moderngl",
+        "PIL",
+        "rich",
+        "lxml",
+        "manifold3d",
+    ]
     code = (
         "import sys, ipmlang, ipmlang.__main__, ipmlang.cli, ipmlang.compiler\n"
         f"print([name for name in {heavy!r} if name in sys.modules])"

@@ -31,7 +31,7 @@ _DEFINED = "clipPath mask pattern marker filter linearGradient radialGradient"
 _DEFINITIONS = frozenset(_DEFINED.split())
 _OF_FILTERS = frozenset({"color", "color-interpolation-filters"})
 _DEEPEST = 32
-# Viewers differ in the size of text that nobody gave a size: that one is always said if it is given.
+# Viewers differ in the size of text that nobody gave a size, so a size that is given is said.
 _USUAL = {name: value for name, value in INITIAL.items() if name != "font-size"}
 
 

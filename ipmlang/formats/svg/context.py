@@ -30,12 +30,17 @@ Colored: TypeAlias = tuple[Paint, float]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Source:
-    """One parsed file, its styles, its bounds, and the notes that reading it collects."""
+    """One parsed file, its styles, its bounds, and the notes that reading it collects.
+
+    left_out: elements whose conditions do not hold; blends: some element has a blend mode.
+    """
 
     document: Document
     cascade: Cascade
     limits: Limits
     notes: Notes
+    left_out: frozenset[Node]
+    blends: bool
 
 
 @dataclass(slots=True, eq=False)

@@ -33,9 +33,7 @@ class Effects:
     def __init__(self, source: Source, carrier: Carrier) -> None:
         self._source = source
         self._carrier = carrier
-        self._blends = any(
-            "mix-blend-mode" in source.cascade.specified(node) for node in source.document.nodes
-        )
+        self._blends = source.blends
 
     def wrap(self, style: Computed, matrix: Matrix, alone: bool) -> Wrap | None:
         """The wrap that an element's own properties ask for; None if they ask for none.

@@ -14,6 +14,7 @@ from ipmlang.formats import FormatError
 from ipmlang.formats.drawing import Drawing, DrawnElement, Effect, Outline
 from ipmlang.formats.svg.bounds import transform_segments
 from ipmlang.formats.svg.cascade import Cascade, Computed
+from ipmlang.formats.svg.conditions import CONDITIONS, holds
 from ipmlang.formats.svg.context import Context, Placed, Source
 from ipmlang.formats.svg.counting import count_elements
 from ipmlang.formats.svg.effects import settle
@@ -85,7 +86,14 @@ def _known(source: Source) -> str | None:
 def _open(source: Path | str | bytes, limits: Limits) -> Source:
     notes = Notes()
     document = read_document(source, limits, notes)
-    return Source(document, Cascade(document, limits, notes), limits, notes)
+    cascade = Cascade(document, limits, notes)
+    left_out = (
+        node
+        for node in document.nodes
+        if any(name in node.attributes for name in CONDITIONS) and not holds(node)
+    )
+    blends = any("mix-blend-mode" in cascade.specified(node) for node in document.nodes)
+    return Source(document, cascade, limits, notes, frozenset(left_out), blends)
 
 
 def _drawing(source: Source, node: Node) -> Drawing:

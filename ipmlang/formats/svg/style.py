@@ -74,9 +74,9 @@ class Styles:
         return Style(
             fill=filled[0],
             stroke=stroked[0],
-            stroke_width=scale * self.stroke_width(site),
-            dashes=tuple(scale * dash for dash in self._dashes(site)),
-            dash_offset=scale * (self._length(site, "stroke-dashoffset") or 0.0),
+            stroke_width=_neat(scale * self.stroke_width(site)),
+            dashes=tuple(_neat(scale * dash) for dash in self._dashes(site)),
+            dash_offset=_neat(scale * (self._length(site, "stroke-dashoffset") or 0.0)),
             more=tuple(sorted(more)),
             stroke_matrix=pen,
         )
@@ -120,7 +120,10 @@ def _pen(matrix: Matrix) -> tuple[float, tuple[float, float, float, float] | Non
     size = a * a + b * b + c * c + d * d
     upright = abs(a * c + b * d) <= _SIMILAR * size
     if upright and abs(a * a + b * b - c * c - d * d) <= _SIMILAR * size:
-        # The root of a determinant is off by an ulp where the map is plain; equal pens stay equal.
-        plain = math.hypot(a, b)
-        return (float(round(plain)) if abs(plain - round(plain)) < 1e-13 else plain), None
-    return scale, (a / scale, b / scale, c / scale, d / scale)
+        return math.hypot(a, b), None
+    return scale, (_neat(a / scale), _neat(b / scale), _neat(c / scale), _neat(d / scale))
+
+
+def _neat(value: float) -> float:
+    """12 significant digits: pens that differ by the rounding of their maps are the same pen."""
+    return float(f"{value:.12g}")

@@ -56,11 +56,7 @@ class Walk:
         self._effects = Effects(source, self._carrier)
         self._outlines: dict[object, Outline | None] = {}
         self._above: dict[Node, frozenset[Node]] = {}
-        self._conditional = {
-            node
-            for node in source.document.nodes
-            if any(name in node.attributes for name in CONDITIONS) and not holds(node)
-        }
+        self._conditional = source.left_out
         most = source.limits.elements
         self._limit = min(most, _MOST_IF_CYCLIC) if count.cyclic else most
         self._empty = count.empty
@@ -172,14 +168,15 @@ class Walk:
         matrix: Matrix | None = translate(x, y)
         if view is not None:
             matrix = fit(view, place, node.attributes.get("preserveAspectRatio"))
-        if matrix is None:
+        matrix = None if matrix is None else multiply(context.matrix, matrix)
+        if matrix is None or not is_usable(matrix):
             return None
         inner = self.inside(node, context)
         wraps = inner.wraps
         if context.style.own.get("overflow", "hidden") not in ("visible", "auto"):
             wraps = (*wraps, viewport_wrap(place, context.matrix))
         inner = inner._replace(
-            matrix=multiply(context.matrix, matrix),
+            matrix=matrix,
             viewport=(width, height) if view is None else (view[2], view[3]),
             wraps=wraps,
         )
