@@ -19,7 +19,8 @@ Rotation: TypeAlias = tuple[Operand, Operand, Operand, Operand]
 class Source:
     """Lines of a function under construction; every result gets a name of its own."""
 
-    def __init__(self) -> None:
+    def __init__(self, prefix: str = "t") -> None:
+        self._prefix = prefix
         self.lines: list[str] = []
         self._count = 0
         self._known: dict[str, str] = {}
@@ -27,7 +28,7 @@ class Source:
     def name(self) -> str:
         """A new name."""
         self._count += 1
-        return f"t{self._count}"
+        return f"{self._prefix}{self._count}"
 
     def let(self, expression: str) -> str:
         """The name of an expression, computed once."""

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ipmlang.runtime import keys
-from ipmlang.runtime.compiled import Chain
+from ipmlang.runtime.chains import Chain
 from ipmlang.runtime.drawings import Chunk
 from ipmlang.runtime.order import Copies, Made, Record, Slot, Trace
 from ipmlang.runtime.pending import FINAL, Shapes
@@ -97,7 +97,7 @@ class Single:
         counted = frontier.counted
         rule = chain.production
         room = counted.room(generation)
-        columns, words0, words1, last, end0, end1 = chain.loop(room, k0, k1, *params)
+        columns, words0, words1, last, end0, end1 = chain.walk(room, k0, k1, *params)
         count = len(words0)
         if count < SHORT:
             return False

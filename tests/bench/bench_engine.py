@@ -102,7 +102,9 @@ def _drawing(program: ir.Program, body: tuple[ir.Instruction, ...]) -> int:
         _drawing(program, each.body)
         if each.op == "repeat"
         else each.op == "module"
-        and any(step.op == "segment" for step in program.symbols[int(str(each.const))].meaning or ())
+        and any(
+            step.op == "segment" for step in program.symbols[int(str(each.const))].meaning or ()
+        )
         for each in body
     )
 
