@@ -27,17 +27,16 @@ if TYPE_CHECKING:
 
 USER_FILE_WRONG, COMMAND_WRONG = 1, 2
 COMMAND_CODES = frozenset(
-    {"unknown-attribute", "attribute-type", "attribute-range", "backend-missing", "unknown-format",
-     "unknown-method", "bad-command"}
+    {"unknown-attribute", "wrong-attribute-type", "attribute-out-of-range", "no-such-backend",
+     "unknown-format", "unknown-method", "bad-command"}
 )  # fmt: skip
 
 
 def run_command_line(arguments: Sequence[str]) -> int:
     """Run one command and return its exit code; nothing but diagnostics reaches the user."""
     try:
-        commands.main(args=list(arguments), prog_name="ipmlang", standalone_mode=False)
-    except click.exceptions.Exit as end:
-        return end.exit_code
+        code = commands.main(args=list(arguments), prog_name="ipmlang", standalone_mode=False)
+        return code if isinstance(code, int) else 0
     except click.ClickException as error:
         error.show()
         return COMMAND_WRONG
@@ -53,7 +52,6 @@ def run_command_line(arguments: Sequence[str]) -> int:
     except MemoryError:
         click.echo("error[memory]: there is no memory left for it; nothing was written", err=True)
         return USER_FILE_WRONG
-    return 0
 
 
 def exit_code(diagnostics: Sequence[Diagnostic]) -> int:

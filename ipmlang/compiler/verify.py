@@ -153,9 +153,7 @@ def _instruction(
             yield from _below(where, "attribute", each.const, len(program.attrs))
         case "module":
             yield from _below(where, "symbol", each.const, len(program.symbols))
-            arity = program.symbols[int(str(each.const))].arity
-            if arity != len(each.args):
-                yield f"{where}: symbol {each.const} takes {arity} arguments, not {len(each.args)}"
+            yield from _arity(where, program, each)
         case "call":
             if each.const not in FUNCTIONS:
                 yield f"{where}: there is no function {each.const}"
@@ -166,6 +164,14 @@ def _instruction(
                 yield f"{where}: there is no asset {each.const}"
         case _ if each.op in ARGUMENTS and len(each.args) != ARGUMENTS[each.op]:
             yield f"{where}: {each.op} takes {ARGUMENTS[each.op]} arguments, not {len(each.args)}"
+
+
+def _arity(where: str, program: ir.Program, each: ir.Instruction) -> Iterator[str]:
+    if not (isinstance(each.const, int) and each.const < len(program.symbols)):
+        return
+    arity = program.symbols[each.const].arity
+    if arity != len(each.args):
+        yield f"{where}: symbol {each.const} takes {arity} arguments, not {len(each.args)}"
 
 
 def _below(where: str, what: str, number: object, count: int) -> Iterator[str]:

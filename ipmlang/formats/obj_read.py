@@ -7,9 +7,11 @@ in libraries beside the file, never elsewhere.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +23,7 @@ from ipmlang.formats.mesh_types import Material, Mesh, MeshScene, single, withou
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+_Number = TypeVar("_Number", np.float64, np.int64)
 _NAMES = ("o", "g", "usemtl", "mtllib")
 
 
@@ -101,14 +104,24 @@ def _numbers(at: Ints, texts: Sequence[str], width: int) -> Floats:
     if not texts:
         return np.zeros((0, width))
     try:
-        table = np.array(" ".join(texts).split(), dtype=np.float64)
+        table = _parsed(" ".join(texts), np.float64)
         if len(table) % len(texts) == 0 and len(table) // len(texts) >= width:
             columns = len(table) // len(texts)
             if len(texts[0].split()) == columns and len(texts[-1].split()) == columns:
                 return table.reshape(len(texts), columns)[:, :width]
-    except (ValueError, OverflowError):
+    except ValueError:
         pass
     return np.array([_row(n, t, width) for n, t in zip(at.tolist(), texts, strict=True)])
+
+
+def _parsed(text: str, kind: type[_Number]) -> NDArray[_Number]:
+    """All numbers of a text; a `ValueError` if something else stands among them."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        try:
+            return np.fromstring(text, dtype=kind, sep=" ")
+        except DeprecationWarning as warning:
+            raise ValueError(str(warning)) from warning
 
 
 def _row(number: int, text: str, width: int) -> list[float]:
@@ -154,8 +167,8 @@ def _index_table(text: str, count: int) -> Ints | None:
         return None
     columns = [0, 2] if empty else list(range(slashes + 1))
     try:
-        values = np.array(text.replace("/", " ").split(), dtype=np.int64)
-    except (ValueError, OverflowError):
+        values = _parsed(text.replace("/", " "), np.int64)
+    except ValueError:
         return None
     if len(values) != count * len(columns) or len(columns) > 3:
         return None

@@ -7,6 +7,7 @@ stay as they are unless y-up is asked for.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Literal
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from ipmlang.formats.atomic import Content
 from ipmlang.formats.mesh_batches import Batch, batches
 from ipmlang.formats.mesh_types import Indices, Material, Mesh, MeshScene
-from ipmlang.formats.numbers import decimal_text, decimal_texts, decimals_for
+from ipmlang.formats.numbers import decimal_text
 
 _NO_MATERIAL = Material("default", (0.8, 0.8, 0.8, 1.0))
 
@@ -61,13 +62,13 @@ def _model(
 ) -> Iterator[str]:
     yield "# written by ipmlang\n" + (f"mtllib {library}\n" if library else "")
     counts = np.zeros(3, np.int64)
-    decimals = decimals_for(_extent(scene))
+    digits = _digits(scene)
     group = -1
     for batch in batches(scene, up):
         if batch.name != group:
             group = batch.name
             yield f"g {_word(scene.names[group]) or 'default'}\n"
-        yield _rows("v", batch.vertices.reshape(-1, 3), decimals)
+        yield _rows("v", batch.vertices.reshape(-1, 3), digits)
         if batch.mesh.uv is not None:
             yield _rows("vt", batch.mesh.uv, 9)
         yield from _faces(scene, batch, counts, names)
@@ -110,27 +111,33 @@ def _face_rows(
     else:
         texture = np.tile(corner + counts[1] + 1, copies)
         numbers, word = np.stack([vertex, texture], axis=1).reshape(-1), " %d/%d"
-    templates = {size: "f" + word * size + "\n" for size in set(sizes.tolist())}
-    template = "".join([templates[size] for size in sizes.tolist()]) * copies
+    templates = {size: "f" + word * size + "\n" for size in np.unique(sizes).tolist()}
+    if len(templates) == 1:
+        template = next(iter(templates.values())) * (len(sizes) * copies)
+    else:
+        template = "".join([templates[size] for size in sizes.tolist()]) * copies
     return template % tuple(numbers.tolist())
 
 
-def _rows(word: str, values: NDArray[np.float64], decimals: int) -> str:
-    template: str = word + " %s" * int(values.shape[1]) + "\n"
-    return template * len(values) % tuple(decimal_texts(values.reshape(-1), decimals))
+def _rows(word: str, values: NDArray[np.float64], digits: int) -> str:
+    template: str = word + f" %.{digits}g" * int(values.shape[1]) + "\n"
+    return template * len(values) % tuple((values + 0.0).reshape(-1).tolist())
 
 
-def _extent(scene: MeshScene) -> float:
-    """The size that precision is measured by: the widest spread of places, or the largest mesh."""
-    extent = 0.0
+def _digits(scene: MeshScene) -> int:
+    """How many significant digits keep 1e-10 of the model's size, however far away it lies."""
+    size = farthest = 0.0
     if len(scene.mesh):
-        extent = float(np.ptp(scene.matrix[:, :, 3], axis=0).max())
+        places = scene.matrix[:, :, 3]
+        size, farthest = float(np.ptp(places, axis=0).max()), float(np.abs(places).max())
     for number, mesh in enumerate(scene.meshes):
         rows = scene.mesh == number
         if len(mesh.vertices) and rows.any():
             scale = float(np.abs(scene.matrix[rows][:, :, :3]).max())
-            extent = max(extent, scale * float(np.ptp(mesh.vertices, axis=0).max()))
-    return extent
+            size = max(size, scale * float(np.ptp(mesh.vertices, axis=0).max()))
+            farthest += scale * float(np.abs(mesh.vertices).max())
+    ratio = max(farthest, 1e-300) / max(size, 1e-300)
+    return min(17, 10 + max(0, math.ceil(math.log10(ratio))))
 
 
 def _word(name: str) -> str:

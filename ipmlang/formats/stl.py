@@ -62,8 +62,23 @@ def _ascii(data: bytes) -> NDArray[np.float64]:
 
 def _distinct(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Equal points as one, in order of first use, and the number of each."""
-    _, first, index = np.unique(points + 0.0, axis=0, return_index=True, return_inverse=True)
+    points = points + 0.0  # one zero, not two
+    first, index = _equal_rows(points)
     order = np.argsort(first)
     rank = np.empty(len(order), np.int64)
     rank[order] = np.arange(len(order))
     return points[first[order]], rank[index.reshape(-1)]
+
+
+def _equal_rows(points: NDArray[np.float64]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """The first row of each kind, and each row's kind. Sorts one hash a row, which is many times
+    quicker than sorting rows, and checks that no two kinds share one."""
+    words = points.view(np.uint64)
+    with np.errstate(over="ignore"):
+        mixed = words * np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], "u8")
+        mixed ^= mixed >> np.uint64(29)
+        hashed = (mixed * np.uint64(0xBF58476D1CE4E5B9)).sum(axis=1, dtype=np.uint64)
+    _, first, index = np.unique(hashed, return_index=True, return_inverse=True)
+    if not np.array_equal(words[first[index]], words):
+        _, first, index = np.unique(points, axis=0, return_index=True, return_inverse=True)
+    return first, index.reshape(-1)

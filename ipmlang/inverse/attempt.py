@@ -21,8 +21,9 @@ from ipmlang.inverse.lsystem.symbols import Arrangement
 from ipmlang.inverse.observation import Observation, observe
 from ipmlang.inverse.prove import prove
 from ipmlang.inverse.report import Report
-from ipmlang.inverse.simplify import AXIOM, Book, make_book, simplify
+from ipmlang.inverse.simplify import AXIOM, Book, drop_poor_rules, make_book, recentre
 from ipmlang.inverse.terminals import Instanced, instance
+from ipmlang.inverse.upright import make_upright
 
 LIMIT = 1e-6  # of the diagonal: what every element must be given back within
 
@@ -36,9 +37,7 @@ class Made:
     report: Report
 
 
-def best_grammar(
-    drawing: Drawing, stem: str, flat: bool, say: Callable[[str], None]
-) -> Made:
+def best_grammar(drawing: Drawing, stem: str, flat: bool, say: Callable[[str], None]) -> Made:
     """The shortest grammar that draws the drawing again."""
     say("looking for equal shapes")
     observed = observe(drawing)
@@ -70,7 +69,9 @@ def _found(instanced: Instanced, say: Callable[[str], None]) -> tuple[Book, Arra
     search = Search(instanced.alphabet, instanced.seen, instanced.string, say)
     string = search.run()
     book = make_book(instanced.alphabet, string)
-    simplify(book)
+    drop_poor_rules(book)
+    make_upright(book, instanced.alphabet)
+    recentre(book)
     return book, string
 
 
@@ -89,15 +90,16 @@ def _first_right(
     wrong: Comparison | None = None
     for book, write in attempts:
         written = write()
+        parts = written.parts()
         try:
-            comparison = prove(drawing, format_grammar(written.grammar), written.parts, stem)
+            comparison = prove(drawing, format_grammar(written.grammar), parts, stem)
         except IpmError:
             if write is attempts[-1][1]:
                 raise
             continue
         if comparison.agrees(LIMIT):
             report = _report(observed, book, written, comparison, flat_tokens)
-            return Made(written.grammar, written.parts, report)
+            return Made(written.grammar, parts, report)
         wrong = comparison
     assert wrong is not None
     raise fail(
@@ -134,5 +136,3 @@ def _report(
         parts_bytes=0,
         seconds=0.0,
     )
-
-

@@ -6,7 +6,7 @@ hold. Numbers get as many digits as they need and no more. Nothing here decides 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -19,6 +19,7 @@ from ipmlang.inverse.numbers import linear, number, shortest
 from ipmlang.inverse.score import SMALL
 from ipmlang.inverse.simplify import AXIOM, Book, Loop, ring_centre
 
+LABELS = ("x", "y", "angle", "scale")
 TABLE_ROWS = 6  # fewer placements of one symbol are written out
 LIFTED = 4  # how many counts, and how many steps, become attributes
 
@@ -41,10 +42,18 @@ class Wrap:
     references: tuple[str, ...]
 
 
+@dataclass(frozen=True, slots=True)
+class Painted:
+    """A terminal that differs from another, its base, in these declarations only."""
+
+    base: int
+    css: str
+
+
 @dataclass(slots=True, eq=False)
 class Builder:
     """Prints one book. names: of every terminal, group and family; wraps: by effects number; axiom:
-    the name of the start rule.
+    the name of the start rule; painted: terminals that are drawn by another one's asset.
     """
 
     book: Book
@@ -53,6 +62,7 @@ class Builder:
     wraps: Sequence[Wrap]
     given: Names
     axiom: str
+    painted: Mapping[int, Painted] = field(default_factory=dict)
     use_tables: bool = True
 
     attributes: list[ast.Attr] = field(default_factory=list)
@@ -101,6 +111,8 @@ class Builder:
     def _placed(self, rule: int, part: int, place: Frames, alone: bool) -> Iterator[ast.Element]:
         """`[at(x, y, angle, scale) mirror A]`, without what is not needed."""
         moves = self._moves(rule, part, place)
+        if part in self.painted and self.painted[part].css:
+            moves = (*moves, _call("css", ast.Text(self.painted[part].css)))
         if moves or not (alone or self._stays(part)):
             yield ast.Bracket((*moves, self._module(part)))
         else:
@@ -110,7 +122,12 @@ class Builder:
         """Whether a symbol leaves the turtle where it was: assets and groups do, loops may not."""
         return part not in self.book.family
 
+    def _asset(self, part: int) -> int:
+        """The terminal whose asset draws a symbol, the symbol itself if it is none."""
+        return self.painted[part].base if part in self.painted else part
+
     def _module(self, part: int) -> ast.Module:
+        part = self._asset(part)
         family = self.book.family.get(part, part)
         if part in self.book.family and self._parametric(family):
             count = ast.Argument(ast.Number(float(self.book.count[part])))
@@ -161,45 +178,53 @@ class Builder:
         start = 0
         while start < len(parts):
             end = start + 1
-            hand = places.handedness[start]
-            while (
-                end < len(parts) and parts[end] == parts[start] and places.handedness[end] == hand
-            ):
+            asset, hand = self._asset(parts[start]), places.handedness[start]
+            while end < len(parts) and self._asset(parts[end]) == asset:
+                if places.handedness[end] != hand:
+                    break
                 end += 1
             if self.use_tables and end - start >= TABLE_ROWS:
-                yield self._table(parts[start], places[start:end])
+                yield self._table(parts[start:end], places[start:end])
             else:
                 yield from self._members(AXIOM, parts[start:end], places[start:end])
             start = end
 
-    def _table(self, part: int, places: Frames) -> ast.Element:
+    def _table(self, parts: list[int], places: Frames) -> ast.Element:
         """`repeat(r in T) { [at(r.x, r.y) A] }`."""
-        errors = [self._errors(AXIOM, part, float(places.scale.max()))] * 4
-        rounded = [
-            [shortest(float(value), error) for value in column]
-            for column, error in zip(
-                (places.x, places.y, places.angle, places.scale),
-                (errors[0][0], errors[0][0], errors[0][1], errors[0][2]),
-                strict=True,
-            )
-        ]
+        rounded = self._rounded(parts[0], places)
         name = self.given.give("Places")
+        last = 3 if set(rounded[3]) != {1.0} else 2 if set(rounded[2]) != {0.0} else 1
         varying = [len(set(column)) > 1 for column in rounded]
-        neutral = [False, False, not any(rounded[2]), all(each == 1 for each in rounded[3])]
-        last = max(k for k in range(4) if not neutral[k])
-        columns = [k for k in range(4) if varying[k]]
-        labels = ("x", "y", "angle", "scale")
-        arguments = [
-            ast.Name(f"r.{labels[k]}") if varying[k] else number(rounded[k][0])
-            for k in range(max(last, 1) + 1)
+        columns = [LABELS[k] for k in range(4) if varying[k]]
+        cells: list[list[ast.Expr]] = [
+            [number(value) for value in rounded[k]] for k in range(4) if varying[k]
         ]
-        rows = tuple(tuple(number(rounded[k][row]) for k in columns) for row in range(len(places)))
-        self.tables.append(ast.Table(name, None, tuple(labels[k] for k in columns), rows))
+        arguments = [
+            ast.Name(f"r.{LABELS[k]}") if varying[k] else number(rounded[k][0])
+            for k in range(last + 1)
+        ]
         place: list[ast.Element] = [_call("at", *arguments)]
         if places.handedness[0] < 0:
             place.append(ast.Module("mirror"))
-        body = (ast.Bracket((*place, self._module(part))),)
-        return ast.Repeat(ast.Rows("r", name), body)
+        if parts[0] in self.painted:
+            columns.append("css")
+            cells.append([ast.Text(self.painted[part].css) for part in parts])
+            place.append(_call("css", ast.Name("r.css")))
+        rows = tuple(zip(*cells, strict=True))
+        self.tables.append(ast.Table(name, None, tuple(columns), rows))
+        return ast.Repeat(ast.Rows("r", name), (ast.Bracket((*place, self._module(parts[0]))),))
+
+    def _rounded(self, part: int, places: Frames) -> list[list[float]]:
+        """x, y, angle and scale of many places as short numbers."""
+        size, turn, factor = self._errors(AXIOM, part, float(places.scale.max()))
+        return [
+            [shortest(float(value), error) for value in column]
+            for column, error in zip(
+                (places.x, places.y, places.angle, places.scale),
+                (size, size, turn, factor),
+                strict=True,
+            )
+        ]
 
     # --------------------------------------------------------------------- loops
 

@@ -6,7 +6,8 @@ What the rules say is made in `build`. Nothing here searches or writes to disk.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,9 +16,17 @@ from ipmlang.compiler import ast
 from ipmlang.formats.drawing import Effect
 from ipmlang.formats.svg import table_xml
 from ipmlang.formats.svg.parts import write_parts
-from ipmlang.inverse.build import Builder, Wrap, measure
+from ipmlang.inverse.build import Builder, Painted, Wrap, measure
+from ipmlang.inverse.coats import merged_styles
 from ipmlang.inverse.lsystem.patterns import Pattern
-from ipmlang.inverse.naming import Names, capital, own_hint, shape_word, shared_hint
+from ipmlang.inverse.naming import (
+    Names,
+    capital,
+    own_hint,
+    shape_word,
+    shared_groups,
+    shared_hint,
+)
 from ipmlang.inverse.observation import Observation
 from ipmlang.inverse.score import SMALL
 from ipmlang.inverse.simplify import AXIOM, Book
@@ -29,10 +38,10 @@ SHARE = 1e-8  # of the diagonal: what one rounded number may move a point by
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Written:
-    """The tree, the parts file, and how many tokens stand in the tables of the parts file."""
+    """The tree, what prints the parts file, and how many tokens stand in that file's tables."""
 
     grammar: ast.Grammar
-    parts: str
+    parts: Callable[[], str]
     table_tokens: int
 
 
@@ -51,31 +60,29 @@ def write_grammar(book: Book, subject: Subject) -> Written:
     """The grammar of a book of rules."""
     names = Names()
     axiom = names.give("Drawing")
-    named = _names(book, subject, names)
+    terminals = subject.instanced.terminals
+    painted = merged_styles(book, terminals)
+    named = _names(book, subject, names, painted)
     wraps, stacks = _wraps(book, subject, names)
-    terminals = [_terminal for _terminal in named if _is_asset(book, subject, _terminal)]
-    radius = {k: each.shape.radius for k, each in enumerate(subject.instanced.terminals)}
+    radius = {k: float(subject.instanced.alphabet[k].radius) for k in range(len(terminals))}
     reach = measure(book, radius, subject.share * subject.observed.diagonal)
-    builder = Builder(book, reach, named, wraps, names, axiom, subject.use_tables)
+    builder = Builder(book, reach, named, wraps, names, axiom, painted, subject.use_tables)
     rules = builder.rules()
     tables, stored, cells = _stored(builder.tables, subject)
-    items: list[ast.Item] = [ast.Version(1)]
-    items += _canvas(subject.observed)
-    if terminals:
-        items.append(ast.Asset(tuple(named[k] for k in terminals), _file(subject), True))
+    items: list[ast.Item] = [ast.Version(1), *_canvas(subject.observed)]
+    assets = [number for number in named if number < len(terminals)]
+    if assets:
+        items.append(ast.Asset(tuple(named[k] for k in assets), _file(subject), True))
     items += tables
     items += builder.attributes
     items += [_spaced(rule, first=k == 0) for k, rule in enumerate(rules)]
     items.append(ast.Start((ast.Module(axiom),)))
-    assets = {
-        named[k]: [asset_element(subject.instanced.terminals[k], book.assets.get(k))]
-        for k in terminals
-    }
-    return Written(
-        ast.Grammar(tuple(items)),
-        write_parts(assets, effects=stacks, tables=stored),
-        cells,
-    )
+
+    def parts() -> str:
+        shown = {named[k]: [asset_element(terminals[k], book.assets.get(k))] for k in assets}
+        return write_parts(shown, effects=stacks, tables=stored)
+
+    return Written(ast.Grammar(tuple(items)), parts, cells)
 
 
 def _spaced(rule: ast.Rule, first: bool) -> ast.Rule:
@@ -84,10 +91,6 @@ def _spaced(rule: ast.Rule, first: bool) -> ast.Rule:
 
 def _file(subject: Subject) -> str:
     return f"{subject.stem}.parts.svg"
-
-
-def _is_asset(book: Book, subject: Subject, symbol: int) -> bool:
-    return symbol < len(subject.instanced.terminals) and symbol != AXIOM
 
 
 def _canvas(observed: Observation) -> list[ast.Item]:
@@ -126,9 +129,7 @@ def _wraps(
     return wraps, groups
 
 
-def _stored(
-    tables: Sequence[ast.Table], subject: Subject
-) -> tuple[list[ast.Item], list[str], int]:
+def _stored(tables: Sequence[ast.Table], subject: Subject) -> tuple[list[ast.Item], list[str], int]:
     """Short tables stand in the grammar, long ones in the parts file; the tokens of the latter."""
     items: list[ast.Item] = []
     stored: list[str] = []
@@ -140,35 +141,45 @@ def _stored(
         rows = [[_value(cell) for cell in row] for row in table.rows]
         stored.append(table_xml(table.name, table.columns, rows))
         items.append(ast.Table(table.name, f"{_file(subject)}#{table.name}"))
-        cells += sum(2 + len(row) + sum(value < 0 for value in row) for row in rows)
+        cells += sum(
+            2 + len(row) + sum(str(value).startswith("-") for value in row) for row in rows
+        )
     return items, stored, cells
 
 
-def _value(cell: ast.Expr) -> float:
+def _value(cell: ast.Expr) -> float | str:
     match cell:
+        case ast.Text(text):
+            return text
         case ast.Number(value):
             return value
         case ast.Unary("-", ast.Number(value)):
             return -value
         case _:
-            raise TypeError(f"a table's cell is a number, not {cell}")
+            raise TypeError(f"a cell is a number or a text, not {cell}")
 
 
 # ------------------------------------------------------------------------- names
 
 
-def _names(book: Book, subject: Subject, names: Names) -> dict[int, str]:
+def _names(
+    book: Book, subject: Subject, names: Names, painted: Mapping[int, Painted]
+) -> dict[int, str]:
     """A name for every symbol that is left: terminals first, then rules from small to large."""
-    used = set(book.uses())
+    used = {painted[part].base if part in painted else part for part in book.uses()}
     rows = _first_rows(subject.instanced)
     sources = subject.observed.sources
+    terminals = subject.instanced.terminals
+    hints = Counter(own_hint(sources[terminals[number].row]) for number in used if number < len(
+        terminals) and number >= 0)  # fmt: skip
+    above = len(shared_groups(sources))
     named: dict[int, str] = {}
-    for number, terminal in enumerate(subject.instanced.terminals):
+    for number, terminal in enumerate(terminals):
         if number in used:
             kind = terminal.fragment.kind if terminal.fragment is not None else None
-            word = own_hint(sources[terminal.row : terminal.row + 1])
+            hint = own_hint(sources[terminal.row])
             shape = shape_word(terminal.shape.kind, terminal.shape.outline, kind)
-            named[number] = names.give(word or shape)
+            named[number] = names.give(hint if hints[hint] == 1 and hint else shape)
     rules = [rule for rule in (*book.bodies, *book.loops) if rule != AXIOM]
     for rule in sorted(rules):
         if rule in book.loops:
@@ -179,7 +190,7 @@ def _names(book: Book, subject: Subject, names: Names) -> dict[int, str]:
         else:
             size = subject.instanced.alphabet[rule].size
             row = rows[rule]
-            wish = capital(shared_hint(sources[row : row + size])) or "Motif"
+            wish = capital(shared_hint(sources[row : row + size], above)) or "Motif"
         named[rule] = names.give(wish)
     return named
 

@@ -103,24 +103,25 @@ def _polygon(outline: Outline) -> str:
     return POLYGONS.get(sides, "polygon")
 
 
-def own_hint(sources: Sequence[tuple[str, ...]]) -> str:
-    """The last id or class of the first element that has a usable one."""
-    for source in sources[:1]:
-        for text in reversed(source):
-            if word(text):
-                return word(text)
-    return ""
+def own_hint(source: tuple[str, ...]) -> str:
+    """The last usable id or class of an element."""
+    return next((word(text) for text in reversed(source) if word(text)), "")
 
 
-def shared_hint(sources: Sequence[tuple[str, ...]]) -> str:
-    """The innermost group that all of these elements stand in, empty if it says nothing."""
+def shared_hint(sources: Sequence[tuple[str, ...]], above: int) -> str:
+    """The innermost group that all of these elements stand in, empty if it says nothing. above:
+    how many outer groups the whole drawing stands in.
+    """
+    shared = shared_groups(sources)
+    return next((word(text) for text in reversed(shared[above:]) if word(text)), "")
+
+
+def shared_groups(sources: Sequence[tuple[str, ...]]) -> tuple[str, ...]:
+    """The names that all sources begin with."""
     shared = sources[0] if sources else ()
     for source in sources[1:]:
         same = 0
         while same < min(len(shared), len(source)) and shared[same] == source[same]:
             same += 1
         shared = shared[:same]
-    for text in reversed(shared):
-        if word(text):
-            return word(text)
-    return ""
+    return shared

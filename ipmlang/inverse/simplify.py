@@ -120,24 +120,18 @@ def _plain(pattern: Pattern) -> Pattern:
     return Pattern("even", (float(turned.x[0]), float(turned.y[0]), 0.0, 0.0))
 
 
-def simplify(book: Book) -> None:
-    """Merge, drop and re-centre rules until each is worth its tokens."""
+def drop_poor_rules(book: Book) -> None:
+    """Merge what is named once and write out what does not pay, until every rule does."""
     _merge_single(book)
     while _drop_poor(book):
         _merge_single(book)
+    book.drop_unused()
+
+
+def recentre(book: Book) -> None:
+    """Give rings, and groups that are turned about a point, that point as their origin."""
     _recentre_rings(book)
     _recentre_groups(book)
-    book.drop_unused()
-
-
-def flatten(book: Book, rule: int, alphabet: Alphabet) -> None:
-    """Write out one rule wherever it is named."""
-    if rule in book.loops:
-        _write_out_loop(book, rule)
-    else:
-        _inline(book, rule)
-    book.drop_unused()
-    assert len(alphabet)
 
 
 def _merge_single(book: Book) -> None:
@@ -161,28 +155,6 @@ def _inline(book: Book, rule: int) -> None:
             _spread(book, name, lambda part: inner if part == rule else None)
     if not any(loop.part == rule for loop in book.loops.values()):
         del book.bodies[rule]
-
-
-def _write_out_loop(book: Book, family: int) -> None:
-    """Replace a sequence by its copies in all bodies; a loop of it becomes a loop of a group."""
-    loop = book.loops[family]
-    for outer in list(book.loops.values()):
-        if book.family.get(outer.part) == family:
-            group = outer.part
-            count = book.count.pop(group)
-            del book.family[group]
-            places = compose(loop.where, loop.pattern.places(count))
-            book.bodies[group] = Body(np.full(count, loop.part, np.int64), places)
-
-    def written(part: int) -> Body | None:
-        if book.family.get(part) != family:
-            return None
-        count = book.count[part]
-        places = compose(loop.where, loop.pattern.places(count))
-        return Body(np.full(count, loop.part, np.int64), places)
-
-    for name in list(book.bodies):
-        _spread(book, name, written)
 
 
 def _spread(book: Book, name: int, inner: Callable[[int], Body | None]) -> None:

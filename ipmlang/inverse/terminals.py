@@ -79,7 +79,9 @@ def instance(observed: Observation) -> Instanced:
     of_style = [wraps.setdefault(style.effects, len(wraps)) for style in observed.styles]
     wrap = np.array(of_style, np.int64)[observed.style]
     string = Arrangement(numbers, placed, np.arange(len(observed)), wrap)
-    return Instanced(alphabet, string, see(alphabet, numbers, placed), tuple(terminals), tuple(wraps))
+    return Instanced(
+        alphabet, string, see(alphabet, numbers, placed), tuple(terminals), tuple(wraps)
+    )
 
 
 def _upright(observed: Observation) -> Frames:
@@ -150,9 +152,7 @@ def _rounded(style: Style) -> Style:
     if pen is not None:
         a, b, c, d = (_digits(value, pen) for value in pen)
         pen = (a, b, c, d)
-    return replace(
-        style, fill=paint(style.fill), stroke=paint(style.stroke), stroke_matrix=pen
-    )
+    return replace(style, fill=paint(style.fill), stroke=paint(style.stroke), stroke_matrix=pen)
 
 
 def _digits(value: float, beside: tuple[float, ...]) -> float:
@@ -162,16 +162,23 @@ def _digits(value: float, beside: tuple[float, ...]) -> float:
 
 def asset_element(terminal: Terminal, place: Frames | None) -> DrawnElement:
     """A terminal as its parts file holds it, y down; place: where it lies about the asset's origin."""
+    plain = place is None and terminal.fragment is None
     place = identity(1) if place is None else place
     if terminal.fragment is not None:
         matrix = multiply(drawn_matrix(place, 0.0), terminal.fragment.matrix)
         return DrawnElement(None, Style(), replace(terminal.fragment, matrix=matrix))
     assert terminal.shape.outline is not None
-    outline = moved(terminal.shape.outline, compose(place, terminal.base))
+    outline = terminal.shape.outline
+    if not (plain and _is_upright(terminal.base)):
+        outline = moved(outline, compose(place, terminal.base))
     points = flipped(outline.kind, outline.coords[..., 0] + 1j * outline.coords[..., 1], 0.0)
     coords = np.stack([points.real, points.imag], axis=-1)
     drawn = Outline(outline.kind, coords, outline.starts, outline.closed)
     return DrawnElement(drawn, moved_style(terminal.style, drawn_matrix(place, 0.0)))
+
+
+def _is_upright(place: Frames) -> bool:
+    return bool(place.angle[0] == 0 and place.scale[0] == 1 and place.handedness[0] > 0)
 
 
 def effect_in_parts(drawing: Drawing, name: str, flip: float) -> Effect:

@@ -161,11 +161,10 @@ def _held(guard: Batched, columns: Sequence[NDArray[np.float64]], attrs: tuple[f
 def _key_loop(site: int) -> tuple[list[str], list[str], str]:
     """The source of the loop over keys alone."""
     lines = [
-        "a0, a1 = [], []",
-        "note_k0, note_k1 = a0.append, a1.append",
-        "for _ in range(count):",
-        "    note_k0(k0)",
-        "    note_k1(k1)",
+        "a0, a1 = [0] * count, [0] * count",
+        "for row in range(count):",
+        "    a0[row] = k0",
+        "    a1[row] = k1",
         *(f"    {line}" for line in _next_key(site)),
     ]
     return lines, ["count", "k0", "k1"], "a0, a1, k0, k1"
@@ -244,9 +243,8 @@ def _next_key(site: int) -> list[str]:
         f"k0 = (k0 * 1664525 + 1013904223 + k1 * {third}) & {keys.MASK}",
         f"k1 = (k1 + {third} * k0) & {keys.MASK}",
         f"k2 = ({third} + k0 * k1) & {keys.MASK}",
-        "k0 ^= k0 >> 16",
         "k1 ^= k1 >> 16",
         "k2 ^= k2 >> 16",
-        f"k0 = (k0 + k1 * k2) & {keys.MASK}",
+        f"k0 = ((k0 ^ (k0 >> 16)) + k1 * k2) & {keys.MASK}",
         f"k1 = (k1 + k2 * k0) & {keys.MASK}",
     ]

@@ -52,7 +52,7 @@ def derive_frontier(
         rows,
         seed=seed,
         generations=frontier.generations,
-        shapes=frontier.shapes,
+        shapes=frontier.shapes + frontier.drawings,
     )
 
 

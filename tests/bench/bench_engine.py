@@ -21,10 +21,10 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
-import ipmlang
-from ipmlang.compiler import ir
-from ipmlang.runtime import derive
-from ipmlang.runtime.scene import Scene
+import ipmlang  # noqa: E402
+from ipmlang.compiler import ir  # noqa: E402
+from ipmlang.runtime import derive  # noqa: E402
+from ipmlang.runtime.scene import Scene  # noqa: E402
 
 GRAMMARS = {
     "stochastic tree in space": """ipm 1
@@ -34,7 +34,8 @@ A(l, w) : else --> !(w) F(l) [&(30) A(l * 0.8, w * 0.7)] /(90) [^(40) A(l * 0.7,
 start A(1, 10) steps 16
 """,
     "stochastic tree in the plane": """ipm 1
-A(l) : 50% --> F(l) [+(25 + rand(-9, 9)) A(l * 0.8)] F(l) [-(25 + rand(-9, 9)) A(l * 0.8)] A(l * 0.9)
+A(l) : 50% --> F(l) [+(25 + rand(-9, 9)) A(l * 0.8)] F(l) [-(25 + rand(-9, 9)) A(l * 0.8)]
+    A(l * 0.9)
 A(l) : else --> F(l) [-(25 + rand(-9, 9)) A(l * 0.8)] F(l * 0.5) A(l * 0.9)
 start A(1) steps 15
 """,
@@ -83,10 +84,11 @@ def measure(name: str) -> dict[str, float]:
 
 
 def modules_of(program: ir.Program, scene: Scene) -> int:
-    """How many modules the derivation's last string has: what each production that drew adds.
+    """How many modules the derivation's last string has, or a little less: what each production
+    that drew has added.
 
-    Every production of these grammars draws exactly as many segments each time it is applied, so
-    how often it was is the number of its rows over those.
+    Every production of these grammars draws as many segments each time it is applied, so how often
+    it was is the number of its rows over those; what stands in a repeat is counted as a production.
     """
     total = 1
     rules = np.bincount(scene.instances.rule, minlength=len(program.productions) + 1)

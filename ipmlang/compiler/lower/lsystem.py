@@ -7,9 +7,11 @@ executor runs yet is noted with its place and left out; whoever asked raises wha
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Protocol, assert_never
 
 from ipmlang.compiler import ast
+from ipmlang.compiler.diagnostics import IpmError
 from ipmlang.compiler.lower.expr import Binding, Code, Environment, Load, Operand, Row
 from ipmlang.compiler.lower.names import Unit
 from ipmlang.compiler.ops import OPERATIONS
@@ -57,8 +59,10 @@ class Body:
                     self._block(code, element, names)
                 case ast.Split():
                     self._namer.refuse(code, element.span, "split")
+                    self._reach(code, _split_bodies(element.parts), names)
                 case ast.Each():
                     self._namer.refuse(code, element.span, element.target.name)
+                    self._reach(code, [part.body for part in element.parts], names)
                 case ast.Assign():
                     self._namer.refuse(code, element.span, "set")
                 case _:
@@ -92,11 +96,20 @@ class Body:
         closes = self._namer.mark(block.name, close=True)
         if opens is None or closes is None:
             self._namer.refuse(code, block.span, block.name)
+            self._reach(code, [part.body for part in block.parts], names)
             return
         code.module(opens, (), block.span)
         for part in block.parts:
             self.write(code, part.body, names)
         code.module(closes, (), block.span)
+
+    def _reach(
+        self, code: Code, bodies: Sequence[Sequence[ast.Element]], names: Environment
+    ) -> None:
+        """Look into the parts of what is not executable, so that all such operations are named."""
+        for body in bodies:
+            with suppress(IpmError):  # there is an error already, at the operation around it
+                self.write(code.block(), body, names)
 
     def _repeat(self, code: Code, repeat: ast.Repeat, names: Environment) -> None:
         number = self._repeats
@@ -139,3 +152,11 @@ class Body:
         move = self._namer.symbol(code.unit, "f", 1)
         assert move is not None
         code.module(move, (code.row(Row(table, ("step",), copy), "step"),), repeat.span)
+
+
+def _split_bodies(parts: Sequence[ast.SplitPart | ast.SplitGroup]) -> list[Sequence[ast.Element]]:
+    """The bodies of all parts of a split, those of its groups too."""
+    bodies: list[Sequence[ast.Element]] = []
+    for part in parts:
+        bodies += [part.body] if isinstance(part, ast.SplitPart) else _split_bodies(part.parts)
+    return bodies

@@ -29,6 +29,8 @@ _DEFAULT_SIZE = (300.0, 150.0)
 """What browsers give a drawing that has neither size nor viewBox."""
 _CONTAINERS = frozenset({"symbol", "svg", "marker", "pattern", "clipPath", "mask", "defs"})
 _BATCH = 500_000
+_FARTHEST = 1e100
+"""Coordinates beyond this are as good as infinite: their squares and roundings overflow."""
 
 
 def read_svg(source: Path | str | bytes, *, limits: Limits | None = None) -> Drawing:
@@ -149,7 +151,7 @@ def _root_size(root: Node, name: str) -> float | None:
 def _placed(
     source: Source, found: Sequence[Placed]
 ) -> tuple[tuple[DrawnElement, ...], dict[str, Effect]]:
-    """The elements in the world, those without finite coordinates left out."""
+    """The elements in the world, those without usable coordinates left out."""
     outlines: list[Outline | None] = [None] * len(found)
     kept: list[bool] = [True] * len(found)
     shapes = [index for index, one in enumerate(found) if one.outline is not None]
@@ -161,7 +163,7 @@ def _placed(
             kept[index] = is_finite
             if not is_finite:
                 line = found[index].line
-                source.notes.add("not-finite", "coordinates without a value: left out", line)
+                source.notes.add("not-finite", "coordinates without a usable value: left out", line)
     if not all(kept):
         found = [one for one, keep in zip(found, kept, strict=True) if keep]
         outlines = [one for one, keep in zip(outlines, kept, strict=True) if keep]
@@ -198,7 +200,8 @@ def _placed_batch(found: Sequence[Placed]) -> tuple[list[Outline], list[bool]]:
     matrices = np.repeat(np.array([one.matrix for one in found]), counts, axis=0)
     with np.errstate(invalid="ignore", over="ignore"):
         moved = transform_segments(kind, coords, matrices)
-    finite = np.logical_and.reduceat(np.isfinite(moved).all(axis=(1, 2)), ends - counts)
+        usable = (np.abs(moved) < _FARTHEST).all(axis=(1, 2))
+    finite = np.logical_and.reduceat(usable, ends - counts)
     placed = [
         Outline(outline.kind, moved[end - len(outline.kind) : end], outline.starts, outline.closed)
         for outline, end in zip(outlines, ends.tolist(), strict=True)

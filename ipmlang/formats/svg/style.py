@@ -19,6 +19,7 @@ from ipmlang.formats.svg.units import diagonal, length, number, number_or_percen
 _OF_FILL = ("fill-rule",)
 _OF_STROKE = ("stroke-linecap", "stroke-linejoin", "vector-effect")
 _SIMILAR = 1e-9
+_WIDEST = 1e100
 
 
 class Styles:
@@ -126,4 +127,4 @@ def _pen(matrix: Matrix) -> tuple[float, tuple[float, float, float, float] | Non
 
 def _neat(value: float) -> float:
     """12 significant digits: pens that differ by the rounding of their maps are the same pen."""
-    return float(f"{value:.12g}")
+    return float(f"{min(value, _WIDEST):.12g}")

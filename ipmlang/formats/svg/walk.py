@@ -15,7 +15,7 @@ from ipmlang.formats.drawing import Fragment, Outline, Style
 from ipmlang.formats.svg.bounds import outline_box
 from ipmlang.formats.svg.carry import Carrier, with_definitions
 from ipmlang.formats.svg.cascade import Computed
-from ipmlang.formats.svg.conditions import CONDITIONS, chosen, holds
+from ipmlang.formats.svg.conditions import chosen
 from ipmlang.formats.svg.context import Context, Placed, Source, own_transform, placed_by
 from ipmlang.formats.svg.counting import Count
 from ipmlang.formats.svg.effects import Effects, viewport_wrap
