@@ -113,7 +113,7 @@ def _face_rows(
         numbers, word = np.stack([vertex, texture], axis=1).reshape(-1), " %d/%d"
     templates = {size: "f" + word * size + "\n" for size in np.unique(sizes).tolist()}
     if len(templates) == 1:
-        template = next(iter(templates.values())) * (len(sizes) * copies)
+        template: str = next(iter(templates.values())) * (len(sizes) * copies)
     else:
         template = "".join([templates[size] for size in sizes.tolist()]) * copies
     return template % tuple(numbers.tolist())
@@ -121,7 +121,8 @@ def _face_rows(
 
 def _rows(word: str, values: NDArray[np.float64], digits: int) -> str:
     template: str = word + f" %.{digits}g" * int(values.shape[1]) + "\n"
-    return template * len(values) % tuple((values + 0.0).reshape(-1).tolist())
+    rows: str = template * len(values)
+    return rows % tuple((values + 0.0).reshape(-1).tolist())
 
 
 def _digits(scene: MeshScene) -> int:

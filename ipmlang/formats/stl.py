@@ -72,7 +72,8 @@ def _distinct(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray
 
 def _equal_rows(points: NDArray[np.float64]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """The first row of each kind, and each row's kind. Sorts one hash a row, which is many times
-    quicker than sorting rows, and checks that no two kinds share one."""
+    quicker than sorting rows, and checks that no two kinds share one.
+    """
     words = points.view(np.uint64)
     with np.errstate(over="ignore"):
         mixed = words * np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], "u8")

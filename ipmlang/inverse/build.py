@@ -8,31 +8,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
 from ipmlang.compiler import ast
-from ipmlang.inverse.lsystem.frames import Frames, compose
-from ipmlang.inverse.lsystem.patterns import Pattern
+from ipmlang.inverse.lsystem.frames import Frames
 from ipmlang.inverse.naming import Names
 from ipmlang.inverse.numbers import linear, number, shortest
+from ipmlang.inverse.reach import Reach
 from ipmlang.inverse.score import SMALL
 from ipmlang.inverse.simplify import AXIOM, Book, Loop, ring_centre
 
 LABELS = ("x", "y", "angle", "scale")
 TABLE_ROWS = 6  # fewer placements of one symbol are written out
 LIFTED = 4  # how many counts, and how many steps, become attributes
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Reach:
-    """How far numbers carry. error: units, what one rounding may move a point by; gain: the largest
-    scale under which each rule is drawn; radius: the extent of each symbol in its own units.
-    """
-
-    error: float
-    gain: dict[int, float]
-    radius: dict[int, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,7 +153,7 @@ class Builder:
         made: list[ast.Element] = []
         edges = np.flatnonzero(np.diff(wrap)) + 1
         bounds = [0, *edges.tolist(), len(wrap)] if len(wrap) else [0]
-        for start, end in zip(bounds, bounds[1:], strict=False):
+        for start, end in pairwise(bounds):
             inner = list(self._run(body.parts[start:end].tolist(), body.places[start:end]))
             references = self.wraps[int(wrap[start])].references
             if references:
@@ -391,7 +381,7 @@ class Builder:
                     ast.Number(float(count)),
                     ast.Range(ast.Number(1.0), None),
                     doc,
-                )  # fmt: skip
+                )
             )
             self._lift_step(family, loop, count, f"{stem}_step", part)
 
@@ -441,57 +431,3 @@ def _is_identity(place: Frames) -> bool:
 def _lowered(name: str) -> str:
     """`LeafRow` as `leaf_row`."""
     return "".join(f"_{c.lower()}" if c.isupper() else c for c in name).strip("_")
-
-
-def measure(book: Book, radius: dict[int, float], error: float) -> Reach:
-    """How far each rule's numbers carry, from the axiom down and from the terminals up."""
-    extent: dict[int, float] = {}
-
-    def reach_of(symbol: int) -> float:
-        if symbol in extent:
-            return extent[symbol]
-        if symbol in book.family:
-            loop = book.loops[book.family[symbol]]
-            places = compose(loop.where, _pattern_places(loop.pattern, book.count[symbol]))
-            inner = reach_of(loop.part)
-            value = float(np.max(np.abs(places.position) + places.scale * inner))
-        elif symbol in book.bodies:
-            body = book.bodies[symbol]
-            inner_radius = np.array([reach_of(part) for part in body.parts.tolist()])
-            value = float(np.max(np.abs(body.places.position) + body.places.scale * inner_radius))
-        else:
-            moved = book.assets.get(symbol)
-            value = radius[symbol] + (abs(complex(moved.position[0])) if moved is not None else 0.0)
-        extent[symbol] = value
-        return value
-
-    gain = {AXIOM: 1.0}
-    waiting = [AXIOM]
-    while waiting:
-        rule = waiting.pop(0)
-        for part, scale in _inside(book, rule):
-            reach_of(part)
-            key = book.family.get(part, part)
-            if scale * gain[rule] > gain.get(key, 0.0) * (1 + 1e-9):
-                gain[key] = scale * gain[rule]
-                if key in book.bodies or key in book.loops:
-                    waiting.append(key)
-    return Reach(error, gain, extent)
-
-
-def _pattern_places(pattern: Pattern, count: int) -> Frames:
-    return pattern.places(count)
-
-
-def _inside(book: Book, rule: int) -> list[tuple[int, float]]:
-    """Symbols named by a rule, with the largest scale each stands under."""
-    if rule in book.loops:
-        loop = book.loops[rule]
-        counts = [book.count[part] for part, own in book.family.items() if own == rule]
-        places = _pattern_places(loop.pattern, max(counts))
-        return [(loop.part, float(places.scale.max() * loop.where.scale[0]))]
-    body = book.bodies[rule]
-    largest: dict[int, float] = {}
-    for part, scale in zip(body.parts.tolist(), body.places.scale.tolist(), strict=True):
-        largest[part] = max(scale, largest.get(part, 0.0))
-    return list(largest.items())

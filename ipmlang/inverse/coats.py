@@ -57,10 +57,8 @@ def declarations(base: Style, style: Style) -> str:
     >>> declarations(Style(stroke="#000000"), Style(stroke="#ff0000", stroke_width=2.5))
     'stroke:#ff0000;stroke-width:2.5'
     """
-    changed: list[tuple[str, str]] = []
-    for name in ("fill", "stroke"):
-        if getattr(base, name) != getattr(style, name):
-            changed.append((name, str(getattr(style, name))))
+    paints = (("fill", base.fill, style.fill), ("stroke", base.stroke, style.stroke))
+    changed = [(name, str(new)) for name, old, new in paints if old != new]
     if base.stroke_width != style.stroke_width:
         changed.append(("stroke-width", decimal_text(style.stroke_width, 12)))
     if base.dashes != style.dashes:

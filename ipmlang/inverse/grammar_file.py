@@ -16,7 +16,7 @@ from ipmlang.compiler import ast
 from ipmlang.formats.drawing import Effect
 from ipmlang.formats.svg import table_xml
 from ipmlang.formats.svg.parts import write_parts
-from ipmlang.inverse.build import Builder, Painted, Wrap, measure
+from ipmlang.inverse.build import Builder, Painted, Wrap
 from ipmlang.inverse.coats import merged_styles
 from ipmlang.inverse.lsystem.patterns import Pattern
 from ipmlang.inverse.naming import (
@@ -28,6 +28,7 @@ from ipmlang.inverse.naming import (
     shared_hint,
 )
 from ipmlang.inverse.observation import Observation
+from ipmlang.inverse.reach import measure
 from ipmlang.inverse.score import SMALL
 from ipmlang.inverse.simplify import AXIOM, Book
 from ipmlang.inverse.terminals import Instanced, asset_element, effect_in_parts

@@ -12,8 +12,17 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ipmlang.inverse.lsystem.frames import Frames, compose, frames, identity, inverse, join
+from ipmlang.inverse.lsystem.frames import (
+    Frames,
+    compose,
+    frames,
+    identity,
+    inverse,
+    join,
+    replaced,
+)
 from ipmlang.inverse.lsystem.patterns import Pattern
 from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers
 from ipmlang.inverse.score import COUNTED, HEAD, SMALL, placement_tokens
@@ -227,20 +236,16 @@ def regauge(book: Book, rule: int, change: Frames) -> None:
     else:
         book.assets[rule] = compose(back, book.assets.get(rule, identity(1)))
     for name, body in book.bodies.items():
-        rows = [book.family.get(part, part) == rule for part in body.parts.tolist()]
-        if any(rows):
-            moved = compose(body.places, change)
-            book.bodies[name] = Body(body.parts, _either(np.array(rows), moved, body.places))
+        rows = naming(book, body, rule)
+        if rows.any():
+            moved = compose(body.places[rows], change)
+            book.bodies[name] = Body(body.parts, replaced(body.places, rows, moved))
 
 
-def _either(rows: np.ndarray, left: Frames, right: Frames) -> Frames:
-    return Frames(
-        np.where(rows, left.x, right.x),
-        np.where(rows, left.y, right.y),
-        np.where(rows, left.angle, right.angle),
-        np.where(rows, left.scale, right.scale),
-        np.where(rows, left.handedness, right.handedness),
-    )
+def naming(book: Book, body: Body, rule: int) -> NDArray[np.bool_]:
+    """(n,) which members of a body name a rule or terminal."""
+    named = [book.family.get(part, part) == rule for part in body.parts.tolist()]
+    return np.array(named, np.bool_)
 
 
 def in_loop(book: Book, rule: int) -> bool:
@@ -250,7 +255,7 @@ def in_loop(book: Book, rule: int) -> bool:
 
 def ring_centre(pattern: Pattern) -> complex | None:
     """The fixed point of a constant turning step in the first copy's frame, None if it has none."""
-    alpha, distance, scale, beta = pattern.base
+    alpha, _, scale, beta = pattern.base
     turn = alpha + beta
     if pattern.kind != "turtle" or not pattern.constant or pattern.mirrored:
         return None
@@ -278,9 +283,9 @@ def _ring_cost(book: Book, family: int, change: Frames) -> int:
     first = inverse(change)
     cost = 4 * (abs(float(first.angle[0])) > SMALL) + 2 * (abs(float(first.y[0])) > book.small)
     for body in book.bodies.values():
-        rows = [book.family.get(part, part) == family for part in body.parts.tolist()]
-        if any(rows):
-            moved = compose(body.places[np.array(rows)], change)
+        rows = naming(book, body, family)
+        if rows.any():
+            moved = compose(body.places[rows], change)
             cost += int(placement_tokens(moved, book.small).sum())
     return cost
 

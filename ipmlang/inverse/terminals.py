@@ -47,7 +47,7 @@ class Terminal:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Instanced:
-    """An observation as a string of terminals. effects: the stack of effects of each wrap number."""
+    """An observation as a string of terminals. effects: the stack of effects of each wrap."""
 
     alphabet: Alphabet
     string: Arrangement
@@ -85,8 +85,8 @@ def instance(observed: Observation) -> Instanced:
 
 
 def _upright(observed: Observation) -> Frames:
-    """The frames of all elements. What depends on its frame (gradients, slanted pens) is only moved,
-    never turned or scaled, so that nothing about it is rounded; so are fragments.
+    """The frames of all elements. What depends on its frame (gradients, slanted pens) and fragments
+    are only moved, never turned or scaled, so that nothing about them is rounded.
     """
     given = observed.frames
     x, y = given.x.copy(), given.y.copy()
@@ -161,7 +161,7 @@ def _digits(value: float, beside: tuple[float, ...]) -> float:
 
 
 def asset_element(terminal: Terminal, place: Frames | None) -> DrawnElement:
-    """A terminal as its parts file holds it, y down; place: where it lies about the asset's origin."""
+    """A terminal as its parts file holds it, y down; place: where it lies about the origin."""
     plain = place is None and terminal.fragment is None
     place = identity(1) if place is None else place
     if terminal.fragment is not None:

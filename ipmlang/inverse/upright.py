@@ -8,11 +8,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from ipmlang.inverse.lsystem.frames import Frames, compose, frames, identity, inverse, join
+from ipmlang.inverse.lsystem.frames import (
+    Frames,
+    compose,
+    frames,
+    identity,
+    inverse,
+    join,
+    replaced,
+)
 from ipmlang.inverse.lsystem.patterns import Pattern
-from ipmlang.inverse.lsystem.symbols import Alphabet, Integers
+from ipmlang.inverse.lsystem.symbols import Alphabet
 from ipmlang.inverse.score import SMALL, placement_tokens
-from ipmlang.inverse.simplify import AXIOM, Book, in_loop, regauge
+from ipmlang.inverse.simplify import AXIOM, Book, in_loop, naming, regauge
 
 CANDIDATES = 6  # frames tried for one rule
 MANY = 64  # equivalent frames beyond which a shape is left as it is placed
@@ -48,7 +56,7 @@ def _place_simply(book: Book, alphabet: Alphabet, every: bool) -> None:
                 better = simplest_of(
                     body.places[rows], definition.stabiliser, definition.free, book.small
                 )
-                body.places = _with(body.places, rows, better)
+                body.places = replaced(body.places, rows, better)
 
 
 def simplest_of(places: Frames, group: Frames, free: bool, small: float) -> Frames:
@@ -59,21 +67,6 @@ def simplest_of(places: Frames, group: Frames, free: bool, small: float) -> Fram
     cost = placement_tokens(every, small)
     best = np.argmin(cost, axis=1)
     return every[np.arange(len(places)), best]
-
-
-def _with(given: Frames, rows: Integers, new: Frames) -> Frames:
-    columns = []
-    for old, value in (
-        (given.x, new.x),
-        (given.y, new.y),
-        (given.angle, new.angle),
-        (given.scale, new.scale),
-        (given.handedness, new.handedness),
-    ):
-        column = old.copy()
-        column[rows] = value
-        columns.append(column)
-    return Frames(columns[0], columns[1], columns[2], columns[3], columns[4].astype(np.int8))
 
 
 # ------------------------------------------------------------------------ rules
@@ -96,11 +89,7 @@ def _turn_rule(book: Book, rule: int) -> None:
 
 
 def _uses(book: Book, rule: int) -> Frames:
-    rows = [
-        body.places[[book.family.get(part, part) == rule for part in body.parts.tolist()]]
-        for body in book.bodies.values()
-    ]
-    return join(rows)
+    return join([body.places[naming(book, body, rule)] for body in book.bodies.values()])
 
 
 def _cost(book: Book, rule: int, uses: Frames, change: Frames) -> int:

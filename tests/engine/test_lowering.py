@@ -94,7 +94,10 @@ def test_a_head_may_bear_an_operations_name() -> None:
 
 
 def test_sites_start_afresh_in_guard_chance_and_body_of_each_production() -> None:
-    text = "A : rand() < 0.5 : rand() * 100 % --> F(rand())\nA : else --> F(rand()) F(rand())\nstart A\n"
+    text = (
+        "A : rand() < 0.5 : rand() * 100 % --> F(rand())\nA : else --> F(rand()) F(rand())\n"
+        "start A\n"
+    )
     before = program(text)
     after = program(text.replace("--> F(rand())\nA", "--> F(rand(1, 2)) F(3) F\nA"))
     assert before.productions[1] == after.productions[1]

@@ -1,5 +1,6 @@
 """Rules found in made-up arrangements: each must come out as the one rule a person would write, and
-what has no structure must come out without any."""
+what has no structure must come out without any.
+"""
 
 from __future__ import annotations
 

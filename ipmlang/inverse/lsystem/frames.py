@@ -89,6 +89,24 @@ def join(parts: list[Frames]) -> Frames:
     )
 
 
+def replaced(given: Frames, rows: Index, new: Frames) -> Frames:
+    """A copy of `given` in which `rows` are those of `new`.
+
+    >>> replaced(identity(3), np.array([1]), frames(np.array([2 + 0j]))).x.tolist()
+    [0.0, 2.0, 0.0]
+    """
+    made = Frames(
+        given.x.copy(),
+        given.y.copy(),
+        given.angle.copy(),
+        given.scale.copy(),
+        given.handedness.copy(),
+    )
+    made.x[rows], made.y[rows], made.angle[rows] = new.x, new.y, new.angle
+    made.scale[rows], made.handedness[rows] = new.scale, new.handedness
+    return made
+
+
 def compose(outer: Frames, inner: Frames) -> Frames:
     """outer after inner, broadcast: `compose(f[:, None], g)` is every f with every g.
 

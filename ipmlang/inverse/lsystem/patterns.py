@@ -45,11 +45,11 @@ class Pattern:
         """
         index = np.arange(count, dtype=np.float64)
         if self.kind == "listed":
-            along = np.concatenate([[0.0], np.cumsum(self.steps)]) + 0j
-            return frames(along, self.base[0])
+            along = np.concatenate([[0.0], np.cumsum(self.steps)])
+            return frames(along.astype(np.complex128), self.base[0])
         if self.kind == "even":
-            x, y, angle, scale = self.base
-            return frames(index * complex(x, y), index * angle, 1 + index * scale)
+            x, y, angle, growth = self.base
+            return frames(index * np.complex128(complex(x, y)), index * angle, 1 + index * growth)
         step = [t0 + t1 * index[: count - 1] for t0, t1 in zip(self.base, self.delta, strict=True)]
         if self.mirrored:
             return self._alternating(count)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.inverse.lsystem.clusters import cluster, members
-from ipmlang.inverse.lsystem.frames import Frames, frames, join, wrap
+from ipmlang.inverse.lsystem.frames import Frames, frames, join, replaced, wrap
 from ipmlang.inverse.lsystem.patterns import Pattern
 from ipmlang.inverse.lsystem.sequences import Run, find_runs
 from ipmlang.inverse.lsystem.spaces import Pairs, pair_spaces
@@ -233,16 +233,9 @@ class _Edit:
 
     def result(self) -> Arrangement:
         """The string after all replacements."""
-        placed = self.string.placed
-        columns = [
-            column.copy()
-            for column in (placed.x, placed.y, placed.angle, placed.scale, placed.handedness)
-        ]
-        for rows, lead in self._new:
-            new = (lead.x, lead.y, lead.angle, lead.scale, lead.handedness)
-            for column, value in zip(columns, new, strict=True):
-                column[rows] = value
-        changed = Frames(columns[0], columns[1], columns[2], columns[3], columns[4].astype(np.int8))
+        changed = self.string.placed
+        rows = np.concatenate([each for each, _ in self._new])
+        changed = replaced(changed, rows, join([lead for _, lead in self._new]))
         string = Arrangement(self.symbol, changed, self.string.start, self.string.wrap)
         return string[self.keep]
 
@@ -254,7 +247,7 @@ def _apart(first: Integers, rows: Integers) -> Integers:
         return rows
     new = np.concatenate([[True], np.diff(at) != 1])
     since = np.arange(len(at)) - np.maximum.accumulate(np.where(new, np.arange(len(at)), 0))
-    return rows[since % 2 == 0]
+    return np.asarray(rows[since % 2 == 0])
 
 
 def _middle(pairs: Pairs, rows: Integers) -> Frames:

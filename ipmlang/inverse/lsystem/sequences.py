@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ipmlang.inverse.lsystem.frames import Floats, Frames, compose, frames, inverse, wrap
+from ipmlang.inverse.lsystem.frames import Floats, Frames, compose, frames, inverse, replaced, wrap
 from ipmlang.inverse.lsystem.patterns import Pattern
 from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers
 
@@ -89,7 +89,7 @@ def _same_handed(alphabet: Alphabet, arrangement: Arrangement) -> Frames:
         rows = np.flatnonzero((arrangement.symbol == symbol) & (result.handedness < 0))
         if len(mirrors):
             mirror = definition.stabiliser[mirrors[:1]]
-            result = _replaced(result, rows, compose(result[rows], mirror))
+            result = replaced(result, rows, compose(result[rows], mirror))
     free = np.array([each.free for each in alphabet.definitions])[arrangement.symbol]
     angle = np.where(free & (result.handedness > 0), 0.0, result.angle)
     return Frames(result.x, result.y, angle, result.scale, result.handedness)
@@ -107,18 +107,10 @@ def _spun(
         cell = 360.0 / len(turns)
         which = np.round((turns.angle % 360.0) / cell).astype(np.int64) % len(turns)
         by_step = np.argsort(which)
-        placed = _replaced(
+        placed = replaced(
             placed, rows, compose(placed[rows], turns[by_step[steps[rows] % len(turns)]])
         )
     return placed
-
-
-def _replaced(given: Frames, rows: Integers, new: Frames) -> Frames:
-    x, y, angle = given.x.copy(), given.y.copy(), given.angle.copy()
-    scale, hand = given.scale.copy(), given.handedness.copy()
-    x[rows], y[rows], angle[rows] = new.x, new.y, new.angle
-    scale[rows], hand[rows] = new.scale, new.handedness
-    return Frames(x, y, angle, scale, hand)
 
 
 def _blocks(fits: Booleans) -> Iterator[tuple[int, int]]:

