@@ -67,7 +67,8 @@ def _all(code: Iterable[ir.Instruction]) -> Iterator[ir.Instruction]:
     """All instructions, those of repeats after the repeat."""
     for each in code:
         yield each
-        yield from _all(each.body)
+        if each.body:
+            yield from _all(each.body)
 
 
 def _result(where: str, part: str, code: Sequence[ir.Instruction], register: int) -> Iterator[str]:
@@ -84,7 +85,8 @@ def _registers(
         for register in each.args:
             if register not in known:
                 yield f"{where}: {each.op} reads register {register} before it is written"
-        yield from _registers(where, count, each.body, known)
+        if each.body:
+            yield from _registers(where, count, each.body, known)
         if each.out >= count:
             yield f"{where}: register {each.out} is beyond the {count} of the production"
         if each.out >= 0:

@@ -23,7 +23,7 @@ def decimal_texts(values: NDArray[np.float64], decimals: int) -> list[str]:
     # One format operation for all is twice as fast as one for each number.
     rounded = np.round(values, decimals) + 0.0
     texts = (f"%.{max(decimals, 1)}f " * len(rounded)) % tuple(rounded.tolist())
-    return [text.rstrip("0").rstrip(".") for text in texts.split()]
+    return [text.rstrip("0").rstrip(".") if text[-1] == "0" else text for text in texts.split()]
 
 
 def decimal_text(value: float, digits: int = 15) -> str:

@@ -15,7 +15,7 @@ import numpy as np
 from ipmlang.compiler import ast
 from ipmlang.inverse.lsystem.frames import Frames
 from ipmlang.inverse.naming import Names
-from ipmlang.inverse.numbers import linear, number, shortest
+from ipmlang.inverse.numbers import ROOM, linear, number, settled, shortest
 from ipmlang.inverse.reach import Reach
 from ipmlang.inverse.score import SMALL
 from ipmlang.inverse.simplify import AXIOM, Book, Loop, ring_centre
@@ -126,9 +126,9 @@ class Builder:
 
     def _moves(self, rule: int, part: int, place: Frames) -> tuple[ast.Element, ...]:
         errors = self._errors(rule, part, float(place.scale[0]))
-        x, y = (shortest(float(each[0]), errors[0]) for each in (place.x, place.y))
-        angle = shortest(float(place.angle[0]), errors[1])
-        scale = shortest(float(place.scale[0]), errors[2])
+        x, y = (settled(float(each[0]), errors[0]) for each in (place.x, place.y))
+        angle = settled(float(place.angle[0]), errors[1])
+        scale = settled(float(place.scale[0]), errors[2], 1.0)
         made: list[ast.Element] = []
         if x or y:
             numbers = [x, y] + ([angle] if angle or scale != 1 else [])
@@ -319,14 +319,14 @@ class Builder:
 
     def _straight(self, family: int, x: float, y: float, error: float) -> ast.Element:
         """The step of a row: ahead where it can be."""
-        if abs(y) <= error:
+        if abs(y) <= ROOM * error:
             if family in self._steps:
                 return _call("f", ast.Name(self._steps[family]))
             return _call("f", number(x, error))
-        if abs(x) <= error and family in self._steps:
+        if abs(x) <= ROOM * error and family in self._steps:
             step: ast.Expr = ast.Name(self._steps[family])
             return _call("at", ast.Number(0.0), step)
-        return _call("at", number(x, error), number(y, error))
+        return _call("at", number(settled(x, error)), number(y, error))
 
     def _step(self, family: int, loop: Loop, count: int) -> tuple[ast.Element, ...]:
         """`+(α) f(d) *(s) +(β)` with t(m) = t0 + tΔ·m (section 5.1 of the paper)."""
@@ -390,7 +390,8 @@ class Builder:
         if loop.pattern.kind != "even" or abs(angle) > SMALL or abs(growth) > SMALL:
             return
         size = self._errors(family, loop.part, 1.0)[0] / count
-        step = x if abs(y) <= size else y if abs(x) <= size else 0.0
+        room = ROOM * size
+        step = x if abs(y) <= room else y if abs(x) <= room else 0.0
         if abs(step) <= size:
             return
         self._steps[family] = self.given.give(wish)

@@ -171,16 +171,17 @@ def _names(
     rows = _first_rows(subject.instanced)
     sources = subject.observed.sources
     terminals = subject.instanced.terminals
-    hints = Counter(own_hint(sources[terminals[number].row]) for number in used if number < len(
-        terminals) and number >= 0)  # fmt: skip
-    above = len(shared_groups(sources))
+    above = len(shared_groups(sources)) if len(sources) > 1 else 0
+    shown = {k: each for k, each in enumerate(terminals) if k in used}
+    hint = {number: own_hint(sources[each.row], above) for number, each in shown.items()}
+    often = Counter(hint.values())
     named: dict[int, str] = {}
-    for number, terminal in enumerate(terminals):
-        if number in used:
-            kind = terminal.fragment.kind if terminal.fragment is not None else None
-            hint = own_hint(sources[terminal.row])
-            shape = shape_word(terminal.shape.kind, terminal.shape.outline, kind)
-            named[number] = names.give(hint if hints[hint] == 1 and hint else shape)
+    for number, terminal in shown.items():
+        kind = terminal.fragment.kind if terminal.fragment is not None else None
+        shape = shape_word(terminal.shape.kind, terminal.shape.outline, kind)
+        named[number] = names.give(
+            hint[number] if hint[number] and often[hint[number]] == 1 else shape
+        )
     rules = [rule for rule in (*book.bodies, *book.loops) if rule != AXIOM]
     for rule in sorted(rules):
         if rule in book.loops:

@@ -103,9 +103,9 @@ def _polygon(outline: Outline) -> str:
     return POLYGONS.get(sides, "polygon")
 
 
-def own_hint(source: tuple[str, ...]) -> str:
-    """The last usable id or class of an element."""
-    return next((word(text) for text in reversed(source) if word(text)), "")
+def own_hint(source: tuple[str, ...], above: int) -> str:
+    """The last usable id or class of an element, or of a group that not everything stands in."""
+    return next((word(text) for text in reversed(source[above:]) if word(text)), "")
 
 
 def shared_hint(sources: Sequence[tuple[str, ...]], above: int) -> str:

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from ipmlang.compiler import ast
 
+ROOM = 8.0  # how many times the error a value may be off that is left out
+
 
 def shortest(value: float, error: float) -> float:
     """The decimal with fewest places that is within `error` of the value, else the value itself.
@@ -20,6 +22,17 @@ def shortest(value: float, error: float) -> float:
         if abs(rounded - value) <= error:
             return rounded + 0.0
     return value
+
+
+def settled(value: float, error: float, neutral: float = 0.0) -> float:
+    """The same, with more room for the value that says nothing, so that it need not be said.
+
+    >>> settled(3e-7, 1e-7), settled(0.9999995, 1e-7, 1.0), settled(2.0000005, 1e-7)
+    (0.0, 1.0, 2.0000005)
+    """
+    if abs(value - neutral) <= ROOM * error:
+        return neutral
+    return shortest(value, error)
 
 
 def number(value: float, error: float = 0.0) -> ast.Expr:

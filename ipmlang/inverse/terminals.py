@@ -11,6 +11,7 @@ from collections.abc import Hashable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ipmlang.formats.drawing import (
     Drawing,
@@ -29,6 +30,8 @@ from ipmlang.inverse.lsystem.symmetry import trivial
 from ipmlang.inverse.observation import Observation, ShapeClass
 from ipmlang.runtime.export.drawn_assets import depends_on_frame, moved_style
 
+LEAST = 12  # so many lengths of lines, each of fewer than
+OFTEN = 3  # lines, share one asset
 SHARE = 3e-7  # of the diagonal: how far an expansion may be from what was observed
 
 
@@ -60,12 +63,12 @@ def instance(observed: Observation) -> Instanced:
     """The alphabet of terminals and the string of all elements in paint order."""
     alphabet = Alphabet(SHARE * observed.diagonal)
     plain = [replace(style, effects=()) for style in observed.styles]
-    placed = _upright(observed)
+    shapes, placed = _scaled_lines(observed, _upright(observed))
     known: dict[Hashable, int] = {}
     terminals: list[Terminal] = []
     numbers = np.empty(len(observed), np.int64)
     for row, (shape, style) in enumerate(
-        zip(observed.shape.tolist(), observed.style.tolist(), strict=True)
+        zip(shapes.tolist(), observed.style.tolist(), strict=True)
     ):
         key, made = _terminal(observed, row, shape, plain[style], placed)
         if key not in known:
@@ -103,6 +106,27 @@ def _upright(observed: Observation) -> Frames:
         np.where(fixed, 1.0, given.scale),
         np.where(fixed, 1, given.handedness).astype(np.int8),
     )
+
+
+def _scaled_lines(observed: Observation, placed: Frames) -> tuple[NDArray[np.int32], Frames]:
+    """Lines of a length that hardly another one has are one shape, stretched to measure, so that a
+    thousand lengths need one asset.
+    """
+    shapes, scale = observed.shape.copy(), placed.scale.copy()
+    for directed in (False, True):
+        rare = [
+            number
+            for number, shape in enumerate(observed.classes)
+            if shape.kind == "line" and shape.directed == directed and len(shape.members) < OFTEN
+        ]
+        if len(rare) < LEAST:
+            continue
+        unit = observed.classes[rare[0]].radius
+        for number in rare:
+            rows = observed.classes[number].members
+            shapes[rows] = rare[0]
+            scale[rows] *= observed.classes[number].radius / unit
+    return shapes, Frames(placed.x, placed.y, placed.angle, scale, placed.handedness)
 
 
 def _terminal(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ipmlang.compiler import ir
+from ipmlang.compiler import collector, ir
 from ipmlang.compiler.checked import Checked
 from ipmlang.compiler.lower.names import Unit, unit
 from ipmlang.compiler.lower.program import Lowering
@@ -18,7 +18,8 @@ __all__ = ["Unit", "lower", "lower_units", "unit"]
 
 def lower_units(main: Unit, imported: Sequence[Unit] = ()) -> ir.Program:
     """The program of a main file and all that it imports."""
-    return Lowering(main, (main, *imported)).program()
+    with collector.held():
+        return Lowering(main, (main, *imported)).program()
 
 
 def lower(checked: Checked) -> ir.Program:

@@ -35,6 +35,7 @@ class Lowering:
         self._turtle = settings.turtle(main)
         self._meanings = Meanings(self._pool, main, self._turtle)
         self._numbers: dict[Key, int] = {}
+        self._found: dict[Key, int | None] = {}
         self._symbols: list[ir.Symbol] = []
         self._waiting: deque[tuple[int, Unit, str]] = deque()
         self._productions: list[ir.Production] = []
@@ -86,6 +87,13 @@ class Lowering:
 
     def symbol(self, unit: Unit, name: str, arity: int) -> int | None:
         """The number of a symbol, None where no executor runs it yet."""
+        written = (id(unit), name, arity)
+        if written not in self._found:
+            self._found[written] = self._find(unit, name, arity)
+        return self._found[written]
+
+    def _find(self, unit: Unit, name: str, arity: int) -> int | None:
+        """The number of a symbol that is named for the first time in a file."""
         record = OPERATIONS.get(name)
         owner, own = unit.within(name)
         spellings = _spellings(own, record)

@@ -40,8 +40,8 @@ def row_styles(scene: Scene, rows: NDArray[np.intp], base: Style, effects: Effec
 
 def row_sources(scene: Scene, rows: NDArray[np.intp]) -> list[tuple[str, ...]]:
     """The label of each row, as hints for names."""
-    labels = [(label,) for label in scene.labels]
-    return [labels[index] for index in scene.instances.label[rows].tolist()]
+    labels = scene.labels
+    return [(labels[index],) for index in scene.instances.label[rows].tolist()]
 
 
 def _style(scene: Scene, columns: Sequence[int], base: Style, effects: Effects) -> Style:
