@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from ipmlang.compiler import ir
 from ipmlang.runtime.algebra import Operand, Source
 from ipmlang.runtime.code import INFIX, Names, expression, source
-from ipmlang.runtime.fields import IDENTITY
+from ipmlang.runtime.fields import IDENTITY, UNSET
 from ipmlang.runtime.primitives import UnscannableError
 from ipmlang.runtime.scene import SCOPE, SEGMENT
 
@@ -308,7 +308,7 @@ class Writer:
     def chain(self, elements: Sequence[ir.Instruction], scope: Scope, state: State) -> None:
         """Write a body whose tail makes the next row of a chain: scan first, then draw."""
         start: State = {name: IDENTITY.get(name, 0.0) for name in state}
-        start.update({name: f"unset_{name}" for name in state if name not in (*FRAME, "layer")})
+        start.update({name: UNSET for name in state if name not in (*FRAME, "layer")})
         self._quiet = True
         self.body(elements, scope, dict(start))
         self._quiet = False
@@ -328,7 +328,7 @@ class Writer:
         own = {name: self._taken(value, owner) for name, value in state.items()}
         start: State = {name: IDENTITY.get(name, 0.0) for name in state}
         pens = [name for name in state if name not in FRAME]
-        start.update({name: f"unset_{name}" for name in pens if name != "layer"})
+        start.update({name: UNSET for name in pens if name != "layer"})
         quiet, self._quiet = self._quiet, True
         step = self.body(each.body, inner, dict(start))
         self._quiet = quiet

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ipmlang.compiler import ir
 from ipmlang.runtime import scan
 from ipmlang.runtime.code import Column
+from ipmlang.runtime.fields import UNSET
 from ipmlang.runtime.keys import Words
 from ipmlang.runtime.limits import Counted
 from ipmlang.runtime.rewrite import copies_of
@@ -90,8 +91,15 @@ class Copying:
         return _split(counts, before, after)
 
     def last(self, counts: Numbers, count: int, state: Column, step: Column) -> Pair:
-        """What the copy before has set, and the last one."""
-        return _split(counts, _full(state, len(counts)), _full(step, count))
+        """What the last copy that sets a field of the pen has set, before each copy and at the end."""
+        before, own = _full(state, len(counts)), _full(step, count)
+        setting = np.where(own != UNSET, np.arange(count), -1)
+        if (setting < 0).any():
+            owner = np.repeat(np.arange(len(counts)), counts)
+            setting = np.maximum.accumulate(setting)
+            here = setting >= (np.cumsum(counts) - counts)[owner]
+            own = np.where(here, own[setting], before[owner])
+        return _split(counts, before, own)
 
     def _both(
         self,

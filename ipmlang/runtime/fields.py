@@ -14,6 +14,7 @@ from ipmlang.compiler import ir
 UPRIGHT = (0.5, 0.5, -0.5, 0.5)  # heading +z, left -x, up -y
 PLANE = ("x", "y", "angle")
 SPACE = ("x", "y", "z", "w", "i", "j", "k")
+UNSET = -1e300  # of a pen's field that copies leave as it was
 IDENTITY = {"w": 1.0, "scale": 1.0}  # all other fields of a frame are 0
 
 
