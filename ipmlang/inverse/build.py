@@ -21,7 +21,7 @@ from ipmlang.inverse.score import SMALL
 from ipmlang.inverse.simplify import AXIOM, Book, Loop, ring_centre
 
 LABELS = ("x", "y", "angle", "scale")
-TABLE_ROWS = 6  # fewer placements of one symbol are written out
+TABLE_ROWS = 12  # fewer placements of one symbol are written out
 LIFTED = 4  # how many counts, and how many steps, become attributes
 
 

@@ -217,6 +217,8 @@ def _first_rows(instanced: Instanced) -> dict[int, int]:
 def _loop_word(part: str, pattern: Pattern, nested: bool) -> str:
     """`LeafRow`, `StarRing`, or `Grid` for a row of rows."""
     x, y, angle, growth = pattern.base
+    if pattern.kind == "listed":
+        return _short(part, "Row")
     if pattern.kind == "even":
         upright = abs(angle) <= SMALL and abs(growth) <= SMALL
         if nested and upright:

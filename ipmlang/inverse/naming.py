@@ -100,7 +100,7 @@ def _polygon(outline: Outline) -> str:
         long = np.hypot(edges[:, 0], edges[:, 1])
         if (turned <= 1e-6 * long * np.roll(long, -1)).all():
             return "square" if np.ptp(long) <= 1e-6 * long.max() else "rect"
-    return POLYGONS.get(sides, "polygon")
+    return POLYGONS.get(sides, "outline")
 
 
 def own_hint(source: tuple[str, ...], above: int) -> str:

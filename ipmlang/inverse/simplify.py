@@ -144,16 +144,22 @@ def recentre(book: Book) -> None:
 
 
 def _merge_single(book: Book) -> None:
-    """A group that is named once, in another group or the axiom, becomes part of it."""
-    while True:
-        used = book.uses()
-        bodies = {part for body in book.bodies.values() for part in body.parts.tolist()}
-        single = [rule for rule in book.bodies if rule != AXIOM and used[rule] == 1]
-        single = [rule for rule in single if rule in bodies]
-        if not single:
-            return
-        for rule in single:
-            _inline(book, rule)
+    """Groups that are named once, in another group or the axiom, become part of it."""
+    used = book.uses()
+    named = {part for body in book.bodies.values() for part in body.parts.tolist()}
+    single = {rule for rule in book.bodies if used[rule] == 1 and rule in named}
+    if not single:
+        return
+
+    def merged(part: int) -> Body | None:
+        return book.bodies[part] if part in single else None
+
+    # Symbols are made of earlier ones, so what is merged into a body is complete itself.
+    for rule in [*sorted(rule for rule in book.bodies if rule != AXIOM), AXIOM]:
+        if any(part in single for part in book.bodies[rule].parts.tolist()):
+            _spread(book, rule, merged)
+    for rule in single:
+        del book.bodies[rule]
 
 
 def _inline(book: Book, rule: int) -> None:
