@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TypeAlias
 
 import numpy as np
@@ -31,11 +31,15 @@ class Container:
 
     tree: Object
     binary: bytes
+    _lists: dict[str, list[Object]] = field(default_factory=dict)
 
     def items(self, name: str) -> list[Object]:
-        """A list of objects of the top level, empty if there is none."""
-        found = self.tree.get(name, [])
-        return [each for each in found if isinstance(each, dict)] if isinstance(found, list) else []
+        """A list of objects of the top level, empty if there is none; made once."""
+        if name not in self._lists:
+            found = self.tree.get(name, [])
+            listed = found if isinstance(found, list) else []
+            self._lists[name] = [each if isinstance(each, dict) else {} for each in listed]
+        return self._lists[name]
 
     def item(self, name: str, index: Json) -> Object:
         """One of them by number."""

@@ -14,8 +14,9 @@ import numpy as np
 
 from ipmlang.compiler import ast
 from ipmlang.inverse.lsystem.frames import Frames
+from ipmlang.inverse.moves import call, even_place, turns, turtle_step
 from ipmlang.inverse.naming import Names
-from ipmlang.inverse.numbers import ROOM, linear, number, settled, shortest
+from ipmlang.inverse.numbers import ROOM, number, settled, shortest
 from ipmlang.inverse.reach import Reach
 from ipmlang.inverse.score import SMALL
 from ipmlang.inverse.simplify import AXIOM, Book, Loop, ring_centre
@@ -102,7 +103,7 @@ class Builder:
         """`[at(x, y, angle, scale) mirror A]`, without what is not needed."""
         moves = self._moves(rule, part, place)
         if part in self.painted and self.painted[part].css:
-            moves = (*moves, _call("css", ast.Text(self.painted[part].css)))
+            moves = (*moves, call("css", ast.Text(self.painted[part].css)))
         if moves or not (alone or self._stays(part)):
             yield ast.Bracket((*moves, self._module(part)))
         else:
@@ -133,9 +134,9 @@ class Builder:
         if x or y:
             numbers = [x, y] + ([angle] if angle or scale != 1 else [])
             numbers += [scale] if scale != 1 else []
-            made.append(_call("at", *(number(each) for each in numbers)))
+            made.append(call("at", *(number(each) for each in numbers)))
         else:
-            made += _turns(angle, scale)
+            made += turns(angle, scale)
         if place.handedness[0] < 0:
             made.append(ast.Module("mirror"))
         return tuple(made)
@@ -157,7 +158,7 @@ class Builder:
             inner = list(self._run(body.parts[start:end].tolist(), body.places[start:end]))
             references = self.wraps[int(wrap[start])].references
             if references:
-                pens = [_call("effect", ast.Text(each)) for each in references]
+                pens = [call("effect", ast.Text(each)) for each in references]
                 made.append(ast.Bracket((*pens, *inner)))
             else:
                 made += inner
@@ -193,13 +194,13 @@ class Builder:
             ast.Name(f"r.{LABELS[k]}") if varying[k] else number(rounded[k][0])
             for k in range(last + 1)
         ]
-        place: list[ast.Element] = [_call("at", *arguments)]
+        place: list[ast.Element] = [call("at", *arguments)]
         if places.handedness[0] < 0:
             place.append(ast.Module("mirror"))
         if parts[0] in self.painted:
             columns.append("css")
             cells.append([ast.Text(self.painted[part].css) for part in parts])
-            place.append(_call("css", ast.Name("r.css")))
+            place.append(call("css", ast.Name("r.css")))
         rows = tuple(zip(*cells, strict=True))
         self.tables.append(ast.Table(name, None, tuple(columns), rows))
         return ast.Repeat(ast.Rows("r", name), (ast.Bracket((*place, self._module(parts[0]))),))
@@ -251,14 +252,24 @@ class Builder:
         self, family: int, loop: Loop, sizes: Sequence[int], limit: ast.Expr
     ) -> tuple[ast.Element, ...]:
         pattern = loop.pattern
-        if ring_centre(pattern) is not None and not _is_identity(loop.where):
+        if self._is_centred(loop):
             return (self._ring_copy(family, loop, sizes, limit),)
         if pattern.kind == "listed":
             angle = shortest(pattern.base[0], self._errors(family, loop.part, 1.0)[1])
-            return (ast.Bracket((*_turns(angle, 1.0), self._module(loop.part))),)
+            return (ast.Bracket((*turns(angle, 1.0), self._module(loop.part))),)
         if pattern.kind == "even":
             return self._even_copy(family, loop, sizes[-1])
-        return (ast.Bracket((self._module(loop.part),)), *self._step(family, loop, sizes[-1]))
+        error, radius = self._errors(family, loop.part, 1.0)[0], self.reach.radius[loop.part]
+        step = turtle_step(pattern, sizes[-1], error, radius)
+        return (ast.Bracket((self._module(loop.part),)), *step)
+
+    def _is_centred(self, loop: Loop) -> bool:
+        """Whether a loop is a ring about its own origin."""
+        centre = ring_centre(loop.pattern)
+        if centre is None:
+            return False
+        # Re-centring has moved the first copy away from the origin.
+        return not _is_identity(loop.where) or abs(centre) <= self.book.small
 
     def _ring_copy(
         self, family: int, loop: Loop, sizes: Sequence[int], limit: ast.Expr
@@ -275,7 +286,7 @@ class Builder:
             angle = ast.Binary("/", number(360.0 if turn > 0 else -360.0), limit)
         elif isinstance(limit, ast.Name) and not isinstance(angle, ast.Number | ast.Unary):
             angle = number(turn)
-        around = _call("+", ast.Binary("*", angle, ast.Name("i")))
+        around = call("+", ast.Binary("*", angle, ast.Name("i")))
         return ast.Bracket((around, *self._radial(family, loop), self._module(loop.part)))
 
     def _radial(self, family: int, loop: Loop) -> tuple[ast.Element, ...]:
@@ -284,12 +295,12 @@ class Builder:
         ahead = abs(float(place.y[0])) <= size and float(place.x[0]) > size
         if not ahead:
             return self._moves(family, loop.part, place)
-        turns = _turns(
+        turns = turns(
             shortest(float(place.angle[0]), angle_error),
             shortest(float(place.scale[0]), scale_error),
         )
         hand = (ast.Module("mirror"),) if place.handedness[0] < 0 else ()
-        return (_call("f", number(float(place.x[0]), size)), *turns, *hand)
+        return (call("f", number(float(place.x[0]), size)), *turns, *hand)
 
     def _even_copy(self, family: int, loop: Loop, count: int) -> tuple[ast.Element, ...]:
         x, y, angle, growth = loop.pattern.base
@@ -309,52 +320,35 @@ class Builder:
             arguments = [*across, turned]
             if abs(growth) > factor / count:
                 arguments.append(scaled)
-            moves.append(_call("at", *arguments))
+            moves.append(call("at", *arguments))
         else:
             if abs(angle) > turn / count:
-                moves.append(_call("+", turned))
+                moves.append(call("+", turned))
             if abs(growth) > factor / count:
-                moves.append(_call("*", scaled))
+                moves.append(call("*", scaled))
         return (ast.Bracket((*moves, copy)),)
+
+    def _even_copy(self, family: int, loop: Loop, count: int) -> tuple[ast.Element, ...]:
+        x, y, angle, growth = loop.pattern.base
+        errors = self._errors(family, loop.part, 1.0)
+        size, turn, factor = (error / count for error in errors)
+        copy = self._module(loop.part)
+        if abs(angle) > turn or abs(growth) > factor:
+            return (ast.Bracket((*even_place(loop.pattern, count, errors), copy)),)
+        if abs(x) <= size and abs(y) <= size:
+            return (ast.Bracket((copy,)),)
+        return (ast.Bracket((copy,)), self._straight(family, x, y, size))
 
     def _straight(self, family: int, x: float, y: float, error: float) -> ast.Element:
         """The step of a row: ahead where it can be."""
         if abs(y) <= ROOM * error:
             if family in self._steps:
-                return _call("f", ast.Name(self._steps[family]))
-            return _call("f", number(x, error))
+                return call("f", ast.Name(self._steps[family]))
+            return call("f", number(x, error))
         if abs(x) <= ROOM * error and family in self._steps:
             step: ast.Expr = ast.Name(self._steps[family])
-            return _call("at", ast.Number(0.0), step)
-        return _call("at", number(settled(x, error)), number(y, error))
-
-    def _step(self, family: int, loop: Loop, count: int) -> tuple[ast.Element, ...]:
-        """`+(α) f(d) *(s) +(β)` with t(m) = t0 + tΔ·m (section 5.1 of the paper)."""
-        pattern = loop.pattern
-        size, _, _ = self._errors(family, loop.part, 1.0)
-        reach = abs(pattern.base[1]) + abs(pattern.delta[1]) * count + self.reach.radius[loop.part]
-        share = size / max(1.0, float(count) ** 2)
-        turn = float(np.rad2deg(share / max(reach * count, share)))
-        alpha, move, scale, beta = (
-            linear(first, slope, "i", (error, error / count))
-            for first, slope, error in zip(
-                pattern.base,
-                pattern.delta,
-                (turn, share, share / max(reach * count, share), turn),
-                strict=True,
-            )
-        )
-        made = [
-            _call(name, value)
-            for name, value, nothing in (
-                ("+", alpha, 0.0),
-                ("f", move, 0.0),
-                ("*", scale, 1.0),
-                ("+", beta, 0.0),
-            )
-            if not (isinstance(value, ast.Number) and value.value == nothing)
-        ]
-        return (*made, ast.Module("mirror")) if pattern.mirrored else tuple(made)
+            return call("at", ast.Number(0.0), step)
+        return call("at", number(settled(x, error)), number(y, error))
 
     # ---------------------------------------------------------------- attributes
 
@@ -404,19 +398,6 @@ class Builder:
         return sum(
             int(self.book.size[part]) for part, own in self.book.family.items() if own == family
         )
-
-
-def _call(name: str, *args: ast.Expr) -> ast.Module:
-    return ast.Module(name, tuple(ast.Argument(each) for each in args))
-
-
-def _turns(angle: float, scale: float) -> tuple[ast.Element, ...]:
-    made: list[ast.Element] = []
-    if angle:
-        made.append(_call("+" if angle > 0 else "-", ast.Number(abs(angle))))
-    if scale != 1:
-        made.append(_call("*", ast.Number(scale)))
-    return tuple(made)
 
 
 def _is_identity(place: Frames) -> bool:

@@ -28,6 +28,7 @@ from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers
 from ipmlang.inverse.score import COUNTED, HEAD, SMALL, placement_tokens
 
 AXIOM = -1
+LEAST = 6  # tokens that a group must save to be worth a name
 
 
 @dataclass(slots=True, eq=False)
@@ -197,7 +198,7 @@ def _drop_poor(book: Book) -> bool:
     costs = {
         rule: cost
         for rule in book.bodies
-        if rule != AXIOM and (cost := _excess(book, rule)) is not None and cost >= 0
+        if rule != AXIOM and (cost := _excess(book, rule)) is not None and cost > -LEAST
     }
     if not costs:
         return False

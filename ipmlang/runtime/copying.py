@@ -91,7 +91,7 @@ class Copying:
         return _split(counts, before, after)
 
     def last(self, counts: Numbers, count: int, state: Column, step: Column) -> Pair:
-        """What the last copy that sets a field of the pen has set, before each copy and at the end."""
+        """What the last copy that sets a field has set, before each copy and at the end."""
         before, own = _full(state, len(counts)), _full(step, count)
         setting = np.where(own != UNSET, np.arange(count), -1)
         if (setting < 0).any():

@@ -1,20 +1,30 @@
 """What inference makes of real drawings: a table of elements, tokens, rules, error, time and size.
 
-    python tests/bench/bench_inference.py [--save] [NAME …]
+    python tests/bench/bench_inference.py [--save] [--growth] [NAME …]
 
 Reads every drawing of the shared data, or those named; `--save` also writes the table to
-RESULTS-inference.md beside this file. Prints one row as soon as it is known.
+RESULTS-inference.md beside this file. `--growth` adds a made-up town of 500 to 20,000 elements.
+Prints one row as soon as it is known.
 """
 
 from __future__ import annotations
 
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from statistics import median
 
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from inverse.synth import STROKED, copies, drawing, rectangle, row
+
 from ipmlang.compiler.diagnostics import IpmError
+from ipmlang.formats.drawing import Drawing, DrawnElement
 from ipmlang.inverse import infer
+from ipmlang.inverse.attempt import best_grammar
 
 DATA = Path(__file__).parents[2] / ".." / "shared" / "data" / "svg"
 RESULTS = Path(__file__).with_name("RESULTS-inference.md")
@@ -45,6 +55,29 @@ def rows(names: list[str]) -> Iterator[tuple[str, float]]:
         )
 
 
+def town(count: int) -> Drawing:
+    """Houses with a fence each, at irregular distances: repetition on two levels."""
+    random = np.random.default_rng(0)
+    elements: list[DrawnElement] = []
+    for house in range(count // 12 + 1):
+        x, y = (house % 40) * 24.0 + int(random.integers(0, 5)), (house // 40) * 30.0 + 5
+        elements += copies(rectangle(12, 8), row(1, (0, 0), (x, y)))
+        elements += copies(rectangle(14, 2), row(1, (0, 0), (x, y - 5)), STROKED)
+        elements += copies(rectangle(2, 2), row(2, (5, 0), (x - 3, y - 1)))
+        elements += copies(rectangle(1, 6), row(8, (1.5, 0), (x - 5, y + 8)))
+    return drawing(elements[:count], (0, 0, 1000, 30 * (count // 480 + 2)))
+
+
+def growth() -> Iterator[str]:
+    """A line for each size of the town, with CPU seconds."""
+    for count in (500, 1200, 5000, 20000):
+        made_up = town(count)
+        started = time.process_time()
+        report = best_grammar(made_up, "town", False, lambda _: None).report
+        seconds = time.process_time() - started
+        yield f"| town | {count} | {report.rules} rules | {seconds:.2f} CPU s |"
+
+
 def main() -> None:
     """Print the table, and keep it if asked."""
     names = [word for word in sys.argv[1:] if not word.startswith("-")]
@@ -59,8 +92,14 @@ def main() -> None:
         ratios.append(ratio)
     summary = f"Median of flat / grammar tokens: {median(ratios or [0.0]):.2f}."
     print(f"\n{summary}")
+    more = []
+    if "--growth" in sys.argv:
+        for line in growth():
+            print(line, flush=True)
+            more.append(line)
     if "--save" in sys.argv:
         text = "# Inference on real drawings\n\n" + "\n".join(lines) + f"\n\n{summary}\n"
+        text += "\n" + "\n".join(more) + "\n" if more else ""
         RESULTS.write_text(text, encoding="utf-8")
 
 

@@ -11,12 +11,13 @@ import pytest
 
 import ipmlang
 from ipmlang.compiler import ir
-from ipmlang.runtime import compiled, frontier, single
+from ipmlang.runtime import compiled, frontier, pending, single
 from ipmlang.runtime.bind import bind
 from ipmlang.runtime.numpy_backend import derive_frontier
 from ipmlang.runtime.scene import Scene
 from ipmlang.runtime.strings import derive_string, steps_of
 from ipmlang.runtime.values import Bound
+from tests.engine.random_grammars import Grammar
 from tests.oracles import Naive, Row, quaternion_matrix
 
 GRAMMARS = {
@@ -75,6 +76,10 @@ GRAMMARS = {
         B --> F(2)
         interpret A(n) --> F(100)
         start A(1) steps 6""",
+    "pens in nested copies": """
+        A(n) --> repeat(i < n) { repeat(j < i) except (1) { color("teal") F(j) !(j) } F layer(1) }
+            css("a:b") F
+        start [A(4)] [color("red") A(3)] F""",
     "weights": """
         A(n) : n > 0 : weight 2 --> F(1) [+(20) A(n - 1)] A(n - 1)
         A(n) : n > 0 : weight n --> F(2) [-(20) A(n - 1)] A(n - 2)
@@ -154,12 +159,25 @@ def test_batches_and_single_shapes_agree(
 
 @pytest.mark.parametrize("name", ["leaf", "steps in space", "weights"])
 def test_small_chunks_agree(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    from ipmlang.runtime import pending
-
     program, attrs = bound(GRAMMARS[name], 5)
     monkeypatch.setattr(frontier, "NARROW", 0)
     monkeypatch.setattr(pending, "CHUNK", 5)
     assert_same(by_frontier(program, attrs, 5), oracle(program, attrs, 5))
+
+
+@pytest.mark.parametrize("seed", range(48))
+def test_random_grammars_agree(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    grammar = ipmlang.parse(Grammar(seed).text())
+    program, attrs = bind(grammar.program, None, seed)
+    narrow, wide, chunk = [(24, 96, 16384), (0, 0, 16384), (1 << 30, 1 << 30, 16384), (0, 0, 7)][
+        seed % 4
+    ]
+    monkeypatch.setattr(frontier, "NARROW", narrow)
+    monkeypatch.setattr(single, "WIDE", wide)
+    monkeypatch.setattr(pending, "CHUNK", chunk)
+    rows = oracle(program, attrs, seed)
+    assert_same(by_frontier(program, attrs, seed), rows)
+    assert_same(derive_string(program, attrs, seed, program.limits), rows)
 
 
 def test_a_long_tail_runs_as_a_chain(monkeypatch: pytest.MonkeyPatch) -> None:
