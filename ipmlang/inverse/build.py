@@ -22,7 +22,7 @@ from ipmlang.inverse.score import SMALL
 from ipmlang.inverse.simplify import AXIOM, Book, Loop, ring_centre
 
 LABELS = ("x", "y", "angle", "scale")
-TABLE_ROWS = 12  # fewer placements of one symbol are written out
+TABLE_ROWS = 8  # fewer placements of one symbol are written out
 LIFTED = 4  # how many counts, and how many steps, become attributes
 
 
@@ -295,38 +295,12 @@ class Builder:
         ahead = abs(float(place.y[0])) <= size and float(place.x[0]) > size
         if not ahead:
             return self._moves(family, loop.part, place)
-        turns = turns(
+        turned = turns(
             shortest(float(place.angle[0]), angle_error),
             shortest(float(place.scale[0]), scale_error),
         )
         hand = (ast.Module("mirror"),) if place.handedness[0] < 0 else ()
-        return (call("f", number(float(place.x[0]), size)), *turns, *hand)
-
-    def _even_copy(self, family: int, loop: Loop, count: int) -> tuple[ast.Element, ...]:
-        x, y, angle, growth = loop.pattern.base
-        size, turn, factor = self._errors(family, loop.part, 1.0)
-        copy = self._module(loop.part)
-        straight = abs(angle) <= turn / count and abs(growth) <= factor / count
-        if straight:
-            if abs(x) <= size / count and abs(y) <= size / count:
-                return (ast.Bracket((copy,)),)
-            return (ast.Bracket((copy,)), self._straight(family, x, y, size / count))
-        errors = (0.0, turn / count), (0.0, factor / count)
-        turned = linear(0.0, angle, "i", errors[0])
-        scaled = linear(1.0, growth, "i", errors[1])
-        moves: list[ast.Element] = []
-        if abs(x) > size / count or abs(y) > size / count:
-            across = (linear(0.0, each, "i", (0.0, size / count)) for each in (x, y))
-            arguments = [*across, turned]
-            if abs(growth) > factor / count:
-                arguments.append(scaled)
-            moves.append(call("at", *arguments))
-        else:
-            if abs(angle) > turn / count:
-                moves.append(call("+", turned))
-            if abs(growth) > factor / count:
-                moves.append(call("*", scaled))
-        return (ast.Bracket((*moves, copy)),)
+        return (call("f", number(float(place.x[0]), size)), *turned, *hand)
 
     def _even_copy(self, family: int, loop: Loop, count: int) -> tuple[ast.Element, ...]:
         x, y, angle, growth = loop.pattern.base
