@@ -126,10 +126,15 @@ def _notes(drawing: Drawing) -> tuple[str, ...]:
     for element in drawing.elements:
         if element.fragment is not None:
             kinds[element.fragment.kind] = kinds.get(element.fragment.kind, 0) + 1
-    carried = [f"carried through: {kind} ({count})" for kind, count in sorted(kinds.items())]
     said = [
         note.message + (f" ({note.count} times)" if note.count > 1 else "")
         for note in drawing.notes
+    ]
+    told = " ".join(said)
+    carried = [
+        f"<{kind}> is carried through as it is ({count} times)"
+        for kind, count in sorted(kinds.items())
+        if f"<{kind}>" not in told
     ]
     return tuple(dict.fromkeys(carried + said))
 
@@ -141,10 +146,9 @@ def _header(path: Path, report: Report, flat: bool) -> tuple[ast.Comment, ...]:
         lines.append("One placement per element; nothing was looked for.")
     else:
         share = round(report.explained * report.elements)
-        lines.append(
-            f"{report.rules} rules explain {share} of them; "
-            f"{report.tokens} tokens instead of {report.tokens_flat}."
-        )
+        rules = f"{report.rules} rule{'s' * (report.rules != 1)}"
+        explained = f"{rules} for {share} of them" if report.rules else "no rule pays"
+        lines.append(f"Found: {explained}; {report.tokens} tokens instead of {report.tokens_flat}.")
     lines.append(f"Largest error: {report.max_error:.1e} of the diagonal.")
     lines += [f"Note: {note}" for note in report.notes]
     return tuple(ast.Comment(line.replace("\n", " ")) for line in lines)
