@@ -12,8 +12,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ipmlang.compiler import ast
-from ipmlang.compiler.diagnostics import fail
+from ipmlang.compiler.diagnostics import Source, fail
 from ipmlang.compiler.format import format_grammar
+from ipmlang.compiler.parse import parse
 from ipmlang.compiler.tokens import count_text_tokens
 from ipmlang.formats import FormatError
 from ipmlang.formats.drawing import Drawing
@@ -44,11 +45,18 @@ class Inference:
 
         path = Path(path)
         beside = path.with_name(f"{path.stem}.parts.svg")
-        text = self.text.replace(f'"{self.stem}.parts.svg', f'"{path.stem}.parts.svg')
+        text = self._text_beside(path.stem)
         try:
             write_files({path: text.encode("utf-8"), beside: self.parts})
         except FormatError as error:
             raise fail("cannot-write", error.message, hint=error.hint) from error
+
+    def _text_beside(self, stem: str) -> str:
+        """The text for `<stem>.parts.svg`, laid out anew: another name breaks lines elsewhere."""
+        if stem == self.stem:
+            return self.text
+        text = self.text.replace(f'"{self.stem}.parts.svg', f'"{stem}.parts.svg')
+        return format_grammar(parse(Source(f"{stem}.ipm", text))[0])
 
 
 def infer(
