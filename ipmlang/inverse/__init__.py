@@ -44,6 +44,12 @@ class Inference:
         from ipmlang.formats.atomic import write_files
 
         path = Path(path)
+        if _stem(path) != path.stem:
+            raise fail(
+                "bad-command",
+                f"`{path.name}` cannot name its parts file",
+                hint='choose a name without ", \\ and #',
+            )
         beside = path.with_name(f"{path.stem}.parts.svg")
         text = self._text_beside(path.stem)
         try:

@@ -55,3 +55,12 @@ def test_nothing_half_written(tmp_path: Path) -> None:
     with pytest.raises(IpmError):
         found.save(tmp_path / "no" / "such" / "folder.ipm")
     assert [each.name for each in tmp_path.iterdir()] == ["one.svg"]
+
+
+def test_a_name_that_no_reference_can_hold_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "x.svg").write_text(
+        "<svg xmlns='http://www.w3.org/2000/svg'><rect width='1' height='1'/></svg>"
+    )
+    with pytest.raises(IpmError, match="parts file"):
+        infer(tmp_path / "x.svg").save(tmp_path / "a#b.ipm")
+    assert [each.name for each in tmp_path.iterdir()] == ["x.svg"]
