@@ -57,8 +57,8 @@ def scene(
     """The scene of a derivation that made `shapes` shapes in `generations` steps."""
     styles, style = _styles(program, rows)
     axiom = len(program.productions)
-    if program.abop:
-        rows, polygons = _in_book_axes(rows, polygons, program.flat)
+    if program.abop and program.flat:
+        rows, polygons = _in_book_axes(rows, polygons)
     instances = Instances(
         rows.position,
         rows.rotation,
@@ -92,19 +92,18 @@ def scene(
 
 
 def _in_book_axes(
-    rows: Rows, polygons: tuple[NDArray[np.float64], ...], flat: bool
+    rows: Rows, polygons: tuple[NDArray[np.float64], ...]
 ) -> tuple[Rows, tuple[NDArray[np.float64], ...]]:
-    """All turned by half a turn about x: the published end points are those of a turtle that starts
-    with its left along -y and its up along -z. In the plane that is a mirrored frame.
+    """Mirrored in x: the published end points are those of a turtle whose left is along -y. In
+    space it starts like that; in the plane it is a mirrored frame.
     """
     w, x, y, z = rows.rotation.T
-    turned = (z, x, y, w) if flat else (-x, w, -z, y)
-    axes = np.array((1.0, -1.0, -1.0))
+    axes = np.array((1.0, -1.0, 1.0))
     made = replace(
         rows,
         position=rows.position * axes + 0.0,
-        rotation=np.stack(turned, axis=1),
-        scale=-rows.scale if flat else rows.scale,
+        rotation=np.stack((z, x, y, w), axis=1),
+        scale=-rows.scale,
     )
     return made, tuple(corners * axes[: corners.shape[1]] for corners in polygons)
 

@@ -23,14 +23,10 @@ NEAR = 1e-12  # a heading this close to the vertical, or to the tropism vector, 
 
 
 class Bending:
-    """Steps under a tropism (x, y, z, elasticity), or under none; `up`: -1 where the world's up is
-    along -z here, as it is until the end of a derivation in the book's axes.
-    """
+    """Steps under a tropism (x, y, z, elasticity), or under none."""
 
-    def __init__(self, tropism: tuple[float, float, float, float] | None, up: float = 1.0) -> None:
-        x, y, z, elasticity = tropism or (0.0, 0.0, 0.0, 0.0)
-        self._tropism = (x, y * up, z * up, elasticity)
-        self._up = up
+    def __init__(self, tropism: tuple[float, float, float, float] | None) -> None:
+        self._tropism = tropism or (0.0, 0.0, 0.0, 0.0)
 
     def columns(self, before: Columns, row: Columns) -> Columns:
         """States after a step, from columns w, x, y, z, kind and handedness."""
@@ -42,7 +38,7 @@ class Bending:
                 found = tuple(column[rows] for column in rotation)
                 side = hand[rows]
                 level = flag == LEVEL
-                changed = levelled(found, side, self._up) if level else self._bent(found, side)
+                changed = levelled(found, side) if level else self._bent(found, side)
                 for column, values in zip(rotation, scan.normalised(changed), strict=True):
                     column[rows] = values
         return (*rotation, kind, hand)
@@ -65,7 +61,7 @@ class Bending:
         kind, hand = row[4], row[5]
         if kind == TURN:
             return (*turn, kind, hand)
-        changed = _levelled(turn, hand, self._up) if kind == LEVEL else self._bent_one(turn, hand)
+        changed = _levelled(turn, hand) if kind == LEVEL else self._bent_one(turn, hand)
         w, x, y, z = changed
         length = sqrt(w * w + x * x + y * y + z * z)
         return w / length, x / length, y / length, z / length, kind, hand
@@ -82,7 +78,7 @@ class Bending:
         return _product((cos(half), ax * factor, ay * factor, az * factor), rotation)
 
 
-def levelled(rotation: Columns, hand: Real, upward: float = 1.0) -> Columns:
+def levelled(rotation: Columns, hand: Real) -> Columns:
     """Rolled about the heading until the local left is horizontal; a vertical heading stays."""
     zero, one = np.zeros_like(hand), np.ones_like(hand)
     hx, hy, _ = scan.turned(rotation, (hand, zero, zero))
@@ -91,22 +87,20 @@ def levelled(rotation: Columns, hand: Real, upward: float = 1.0) -> Columns:
     length = np.hypot(hx, hy)
     safe = np.where(length > NEAR, length, 1)
     # the wanted left is the world's up x heading, on the side that a mirrored frame has it
-    side = hand * upward
-    wx, wy = -hy / safe * side, hx / safe * side
+    wx, wy = -hy / safe * hand, hx / safe * hand
     cosine = wx * left[0] + wy * left[1]
     sine = wx * up[0] + wy * up[1]
     half = np.where(length > NEAR, np.arctan2(sine, cosine), 0) / 2
     return scan.quaternion_product(rotation, (np.cos(half), np.sin(half), zero, zero))
 
 
-def _levelled(rotation: State, hand: float, upward: float) -> State:
+def _levelled(rotation: State, hand: float) -> State:
     hx, hy, _ = _turned(rotation, hand, 0.0, 0.0)
     length = hypot(hx, hy)
     if length <= NEAR:
         return rotation
     left, up = _turned(rotation, 0.0, 1.0, 0.0), _turned(rotation, 0.0, 0.0, 1.0)
-    side = hand * upward
-    wx, wy = -hy / length * side, hx / length * side
+    wx, wy = -hy / length * hand, hx / length * hand
     half = atan2(wx * up[0] + wy * up[1], wx * left[0] + wy * left[1]) / 2
     return _product(rotation, (cos(half), sin(half), 0.0, 0.0))
 

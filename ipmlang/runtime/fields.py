@@ -11,6 +11,8 @@ from collections.abc import Iterator
 
 from ipmlang.compiler import ir
 
+FLAT = (1.0, 0.0, 0.0, 0.0)  # heading +x, left +y, up +z
+BOOK = (0.0, 1.0, 0.0, 0.0)  # heading +x, left -y, up -z: the published end points need it
 UPRIGHT = (0.5, 0.5, -0.5, 0.5)  # heading +z, left -x, up -y
 PLANE = ("x", "y", "angle")
 SPACE = ("x", "y", "z", "w", "i", "j", "k")
@@ -24,8 +26,7 @@ def fields(program: ir.Program) -> dict[str, float]:
     """
     found = dict.fromkeys(PLANE if program.flat else SPACE, 0.0)
     if not program.flat:
-        upright = (1.0, 0.0, 0.0, 0.0) if program.abop else UPRIGHT
-        found.update(zip("wijk", upright, strict=True))
+        found.update(zip("wijk", first_rotation(program), strict=True))
     used = {(each.op, _field(each)) for each in _meanings(program)}
     ops = {op for op, _ in used}
     if ops & {"scale", "mirror"}:
@@ -38,6 +39,15 @@ def fields(program: ir.Program) -> dict[str, float]:
     for _, name in sorted(each for each in used if each[0] == "pen" and each[1] != "width"):
         found[name] = -1.0
     return found
+
+
+def first_rotation(program: ir.Program) -> tuple[float, float, float, float]:
+    """The quaternion that a turtle starts with. In the plane the book's axes are a mirrored frame,
+    which `assemble` sees to at the end.
+    """
+    if program.flat:
+        return FLAT
+    return BOOK if program.abop else UPRIGHT
 
 
 def _field(each: ir.Instruction) -> str:

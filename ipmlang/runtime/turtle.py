@@ -18,11 +18,10 @@ from ipmlang.runtime import scan
 from ipmlang.runtime.bend import BEND, LEVEL, Bending
 from ipmlang.runtime.branches import Branches, Path
 from ipmlang.runtime.choose import told
+from ipmlang.runtime.fields import first_rotation
 from ipmlang.runtime.interpret import Act, Stream
 from ipmlang.runtime.scan import Columns, Frames, Real, Whole
 from ipmlang.runtime.values import Value
-
-UPRIGHT = (0.5, 0.5, -0.5, 0.5)  # heading +z, left -x, up -y
 
 
 def _check_factors(program: ir.Program, act: Act) -> None:
@@ -143,16 +142,23 @@ class Turtle:
                 continue
             for column, value in zip(own, self._turn(act), strict=True):
                 column[rows] = value
-        upright = not (self._program.flat or self._program.abop)
-        for column, value in zip(own, UPRIGHT if upright else (1, 0, 0, 0), strict=True):
+        for column, value in zip(own, first_rotation(self._program), strict=True):
             column[0] = value
         if not kind.any():
             path.resolve(own, lambda part, rows: scan.scan(part, rows, scan.quaternion_product))
             return scan.normalised(own)
         hand = self._hands(acts, path)
-        bending = Bending(self._program.tropism, -1.0 if self._program.abop else 1.0)
+        bending = Bending(self._tropism())
         path.resolve((*own, kind, hand), lambda part, rows: scan.walked(part, rows, bending))
         return scan.normalised(own)
+
+    def _tropism(self) -> tuple[float, float, float, float] | None:
+        """The tropism in the turtle's own axes: a flat scene is mirrored at the end."""
+        tropism = self._program.tropism
+        if tropism is None or not (self._program.flat and self._program.abop):
+            return tropism
+        x, y, z, elasticity = tropism
+        return x, -y, z, elasticity
 
     def _hands(self, acts: list[Act], path: Path) -> Real:
         hand = np.ones(path.count)

@@ -207,3 +207,20 @@ def test_editing_one_production_leaves_other_draws_alone() -> None:
     first, second = (scene.instances for scene in scenes)
     assert first.size[:, 0].tolist() == second.size[:, 0].tolist()
     assert first.key.tolist() == second.key.tolist()
+
+
+def test_the_books_axes_are_the_same_in_both_executors() -> None:
+    """`$` levels against the world's up, whichever way the turtle's own up points at the start."""
+    grammar = ipmlang.parse(
+        "ipm 1\nturtle frame abop\n"
+        "A(n) : n > 0 --> F(1) [&(40) /(30) $ F(1) B(n - 1)] +(20) ^(10) A(n - 1)\n"
+        "A(n) : else --> nil\n"
+        "B(n) : n > 0 --> [+(25) $ F(2)] -(9) F(1) B(n - 1)\n"
+        "B(n) : else --> nil\nstart A(3)\n"
+    )
+    program = grammar.program
+    batched = derive_frontier(program, (), 0, program.limits)
+    assert batched is not None
+    found, wanted = batched.instances, derive_string(program, (), 0, program.limits).instances
+    assert np.abs(found.position - wanted.position).max() < 1e-12
+    assert np.abs(found.rotation - wanted.rotation).max() < 1e-12
