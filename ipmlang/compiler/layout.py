@@ -15,7 +15,6 @@ from ipmlang.compiler.spelling import (
     argument_words,
     enclosed,
     expression_words,
-    format_expression,
     label_words,
     row_words,
 )
@@ -225,11 +224,6 @@ def part_words(part: ast.Part | ast.SplitPart) -> list[str]:
     if words:
         words[-1] += ":"
     return words
-
-
-def argument_text(args: tuple[ast.Expr, ...]) -> str:
-    """`1, 2, 3`."""
-    return ", ".join(format_expression(each) for each in args)
 
 
 # ------------------------------------------------------------------- many lines

@@ -27,6 +27,7 @@ from ipmlang.inverse.naming import (
     shared_groups,
     shared_hint,
 )
+from ipmlang.inverse.numbers import number as literal
 from ipmlang.inverse.observation import Observation
 from ipmlang.inverse.reach import measure
 from ipmlang.inverse.score import SMALL
@@ -97,13 +98,8 @@ def _file(subject: Subject) -> str:
 def _canvas(observed: Observation) -> list[ast.Item]:
     if observed.box is None:
         return []
-    box = tuple(_literal(value) for value in observed.box)
+    box = tuple(literal(value) for value in observed.box)
     return [ast.Canvas(box, observed.drawing.width, observed.drawing.height)]
-
-
-def _literal(value: float) -> ast.Expr:
-    literal = ast.Number(abs(value))
-    return ast.Unary("-", literal) if value < 0 else literal
 
 
 def _wraps(
@@ -154,8 +150,6 @@ def _value(cell: ast.Expr) -> float | str:
             return text
         case ast.Number(value):
             return value
-        case ast.Unary("-", ast.Number(value)):
-            return -value
         case _:
             raise TypeError(f"a cell is a number or a text, not {cell}")
 

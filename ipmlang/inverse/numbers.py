@@ -36,10 +36,8 @@ def settled(value: float, error: float, neutral: float = 0.0) -> float:
 
 
 def number(value: float, error: float = 0.0) -> ast.Expr:
-    """A literal, with its sign in front where it is negative."""
-    rounded = shortest(value, error)
-    literal = ast.Number(abs(rounded))
-    return ast.Unary("-", literal) if rounded < 0 else literal
+    """A literal; a negative one is one node, as the parser reads it."""
+    return ast.Number(shortest(value, error))
 
 
 def linear(first: float, slope: float, variable: str, errors: tuple[float, float]) -> ast.Expr:

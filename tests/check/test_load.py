@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -121,26 +119,3 @@ def test_help_for_a_name() -> None:
     assert "draw a segment" in (describe("draw") or "")
     assert "whole number" in (describe("floor") or "")
     assert describe("Fence") is None
-
-
-def test_checking_stays_light() -> None:
-    """Checking a small grammar loads none of the heavy libraries."""
-    heavy = [
-        "trimesh",
-        "scipy",
-        "shapely",
-        "svgpathtools",
-        "networkx",
-        "moderngl",
-        "PIL",
-        "rich",
-        "lxml",
-        "manifold3d",
-    ]
-    code = (
-        "import sys\nfrom ipmlang.compiler.load import load_text\n"
-        "from ipmlang.compiler.check import check\ncheck(load_text('ipm 1\\nstart F\\n'))\n"
-        f"print([name for name in {heavy!r} if name in sys.modules])"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"

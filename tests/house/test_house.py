@@ -46,23 +46,21 @@ def test_a_file_has_one_subject() -> None:
     assert not long
 
 
-def test_importing_the_package_stays_light() -> None:
-    """`import ipmlang` and the command line load none of the heavy libraries."""
-    heavy = [
-        "trimesh",
-        "scipy",
-        "shapely",
-        "svgpathtools",
-        "networkx",
-        "moderngl",
-        "PIL",
-        "rich",
-        "lxml",
-        "manifold3d",
-    ]
-    code = (
-        "import sys, ipmlang, ipmlang.__main__, ipmlang.cli, ipmlang.compiler\n"
-        f"print([name for name in {heavy!r} if name in sys.modules])"
-    )
+HEAVY = "trimesh scipy shapely svgpathtools networkx moderngl PIL rich lxml manifold3d"
+LIGHT = {
+    "importing the package and the command line": (
+        "import ipmlang, ipmlang.__main__, ipmlang.cli, ipmlang.compiler"
+    ),
+    "checking a small grammar": (
+        "from ipmlang.compiler.load import load_text\n"
+        "from ipmlang.compiler.check import check\ncheck(load_text('ipm 1\\nstart F\\n'))"
+    ),
+}
+
+
+@pytest.mark.parametrize("work", LIGHT)
+def test_start_up_stays_light(work: str) -> None:
+    """What every command does first loads none of the heavy libraries."""
+    code = f"{LIGHT[work]}\nimport sys\nprint([n for n in {HEAVY!r}.split() if n in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

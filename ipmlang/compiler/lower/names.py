@@ -9,12 +9,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TypeAlias, TypeVar
+from typing import TypeVar
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, Source
 
-Defined: TypeAlias = "ast.Asset | ast.Table | ast.Attr | ast.Const | ast.Function"
 Kind = TypeVar("Kind", bound=ast.Item)
 
 

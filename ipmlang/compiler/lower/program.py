@@ -28,7 +28,6 @@ class Lowering:
 
     def __init__(self, main: Unit, units: tuple[Unit, ...]) -> None:
         self._main = main
-        self._units = units
         self._pool = Pool()
         self._tables = Tables(self._pool)
         self._attrs = settings.attributes(self._pool, units)
