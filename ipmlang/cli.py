@@ -21,7 +21,6 @@ import click
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail, render
 
 if TYPE_CHECKING:
-    from ipmlang.compiler.ir import Limits
     from ipmlang.inverse import Inference
     from ipmlang.runtime.scene import Scene
 
@@ -41,17 +40,28 @@ def run_command_line(arguments: Sequence[str]) -> int:
         error.show()
         return COMMAND_WRONG
     except IpmError as error:
-        for each in error.diagnostics:
-            click.echo(render(each) + "\n", err=True)
-        return exit_code(error.diagnostics)
-    except KeyboardInterrupt:
-        click.echo("stopped: nothing was written", err=True)
+        return tell_errors(error.diagnostics, "--json" in arguments)
+    except (KeyboardInterrupt, click.Abort):  # click turns the first into the second
+        click.echo("stopped: no file was left half written", err=True)
         return COMMAND_WRONG
-    except BrokenPipeError:
+    except SystemExit:  # what click makes of a pipe that nobody reads any more
         return 0
+    except OSError as error:  # files are explained where they are opened: this is printing
+        reason = (error.strerror or str(error)).lower()
+        what = f"use `{error.filename}`" if error.filename else "print the result"
+        click.echo(f"error[system]: cannot {what}: {reason}", err=True)
+        return USER_FILE_WRONG
     except MemoryError:
         click.echo("error[memory]: there is no memory left for it; nothing was written", err=True)
         return USER_FILE_WRONG
+
+
+def tell_errors(diagnostics: Sequence[Diagnostic], as_json: bool) -> int:
+    """Print the errors that ended a command, as one object too if that was asked for; the code."""
+    show(diagnostics)
+    if as_json:
+        click.echo(json.dumps(findings_record(diagnostics)))
+    return exit_code(diagnostics)
 
 
 def exit_code(diagnostics: Sequence[Diagnostic]) -> int:
@@ -129,16 +139,18 @@ def run(
       ipmlang run garden.ipm -o garden.svg --seed 3 --set pickets=30
     """  # fmt: skip
     from ipmlang import load
+    from ipmlang.arguments import keep_apart, parse_limits, parse_settings
     from ipmlang.runtime.export import check_output, save
 
     check_output(output)
     grammar = load(file, allow_outside=allow_outside)
-    show_warnings(grammar.warnings)
+    keep_apart([output], grammar.checked.loaded.paths)
+    show(grammar.warnings)
     started = time.process_time()
     with working(f"deriving {file.name}"):
         scene = grammar.run(
             seed=seed,
-            attrs=parse_settings(settings),
+            attrs=parse_settings(settings, grammar.program.attrs),
             backend=backend,
             limits=parse_limits(grammar.program.limits, limits),
         )
@@ -178,10 +190,10 @@ def infer(file: Path, output: Path | None, method: str, flat: bool, as_json: boo
     Example:
       ipmlang infer garden.svg -o garden.ipm
     """  # fmt: skip
+    from ipmlang.arguments import check_inference
     from ipmlang.inverse import infer as infer_file
 
-    if output is not None and output.suffix != ".ipm":
-        raise fail("bad-command", f"a grammar is written to a .ipm file, not `{output.name}`")
+    check_inference(file, output)
     with working(f"reading {file.name}") as say:
         found = infer_file(file, method=method, flat=flat, progress=say)
     if output is not None:
@@ -211,13 +223,13 @@ def check(files: tuple[Path, ...], allow_outside: bool, as_json: bool) -> None:
             found += error.diagnostics
     errors = [each for each in found if each.severity == "error"]
     if as_json:
-        click.echo(json.dumps({"files": len(files), "errors": len(errors),
-                               "diagnostics": [as_record(each) for each in found]}))  # fmt: skip
+        click.echo(json.dumps({"files": len(files)} | findings_record(found)))
     else:
-        for each in found:
-            click.echo(render(each) + "\n", err=True)
-        click.echo(f"{len(files)} file{'s' * (len(files) != 1)}: "
-                   f"{len(errors)} errors, {len(found) - len(errors)} warnings")  # fmt: skip
+        show(found)
+        numbers = ((len(files), "file"), (len(errors), "error"),
+                   (len(found) - len(errors), "warning"))  # fmt: skip
+        told = [f"{number} {word}{'s' * (number != 1)}" for number, word in numbers]
+        click.echo(f"{told[0]}: {told[1]}, {told[2]}")
     if errors:
         raise click.exceptions.Exit(USER_FILE_WRONG)
 
@@ -234,21 +246,29 @@ def fmt(files: tuple[Path, ...], only_check: bool, stdout: bool, as_json: bool) 
     Example:
       ipmlang fmt garden.ipm
     """
+    if stdout and as_json:
+        raise fail("bad-command", "--stdout and --json both print: choose one")
     changed: list[str] = []
+    problems: list[Diagnostic] = []
     for path in files:
-        before, after = formatted(path)
-        if stdout:
-            click.echo(after, nl=False)
-        elif before != after:
-            changed.append(str(path))
-            if not only_check:
+        try:
+            before, after = formatted(path)
+            if before != after:
+                changed.append(str(path))
+            if stdout:
+                click.echo(after, nl=False)
+            elif before != after and not only_check:
                 write_text(path, after)
+        except IpmError as error:
+            problems += error.diagnostics
     if as_json:
-        click.echo(json.dumps({"files": len(files), "changed": changed}))
-    elif not stdout:
-        for name in changed:
-            click.echo(f"{'would change' if only_check else 'formatted'} {name}")
-    if only_check and changed:
+        click.echo(json.dumps({"files": len(files), "changed": changed}
+                              | findings_record(problems)))  # fmt: skip
+    else:
+        show(problems)
+    for name in () if as_json or stdout else changed:
+        click.echo(f"{'would change' if only_check else 'formatted'} {name}")
+    if problems or (only_check and changed):
         raise click.exceptions.Exit(USER_FILE_WRONG)
 
 
@@ -276,48 +296,6 @@ def write_text(path: Path, text: str) -> None:
         raise fail("cannot-write", error.message, hint=error.hint) from error
 
 
-def parse_settings(settings: Sequence[str]) -> dict[str, int | float | bool | str]:
-    """`floors=6` to a value: a number, true or false, else a text."""
-    values: dict[str, int | float | bool | str] = {}
-    for setting in settings:
-        name, equals, text = setting.partition("=")
-        if not equals or not name.strip():
-            raise fail("bad-command", f"`--set {setting}` has no value",
-                       hint="write --set name=value, for example --set pickets=30")  # fmt: skip
-        values[name.strip()] = parse_value(text.strip())
-    return values
-
-
-def parse_value(text: str) -> int | float | bool | str:
-    """The value a person means by a word on the command line."""
-    if text in ("true", "false"):
-        return text == "true"
-    for kind in (int, float):
-        try:
-            return kind(text)
-        except ValueError:
-            continue
-    return text[1:-1] if len(text) > 1 and text[0] == text[-1] == '"' else text
-
-
-def parse_limits(limits: Limits, words: Sequence[str]) -> Limits:
-    """The grammar's own limits with those of the command line over them."""
-    from dataclasses import replace
-
-    kinds = ("shapes", "steps", "depth", "memory")
-    for word in words:
-        kind, _, number = word.partition("=")
-        try:
-            value = int(float(number))
-        except (ValueError, OverflowError):
-            value = -1
-        if kind not in kinds or value < 0:
-            raise fail("bad-command", f"`--limit {word}` is not a limit",
-                       hint=f"write --limit kind=number; kinds are {', '.join(kinds)}")  # fmt: skip
-        limits = replace(limits, **{kind: value})
-    return limits
-
-
 def run_report(scene: Scene, seconds: float, writing: float, output: Path) -> dict[str, object]:
     """What `run --json` prints; seconds are CPU seconds of deriving, start-up not counted."""
     return {
@@ -343,6 +321,12 @@ def tell_inference(found: Inference, output: Path | None, as_json: bool) -> None
         click.echo(f"{output}: {found.report.summary()}")
 
 
+def findings_record(found: Sequence[Diagnostic]) -> dict[str, object]:
+    """Diagnostics as JSON, and how many of them are errors."""
+    errors = sum(each.severity == "error" for each in found)
+    return {"errors": errors, "diagnostics": [as_record(each) for each in found]}
+
+
 def as_record(diagnostic: Diagnostic) -> dict[str, object]:
     """A diagnostic as JSON: code, severity, message, place, expectation, suggestions."""
     record: dict[str, object] = {
@@ -359,9 +343,9 @@ def as_record(diagnostic: Diagnostic) -> dict[str, object]:
     return record
 
 
-def show_warnings(warnings: Sequence[Diagnostic]) -> None:
-    """Print warnings, which stop nothing, to standard error."""
-    for each in warnings:
+def show(found: Sequence[Diagnostic]) -> None:
+    """Print diagnostics to standard error."""
+    for each in found:
         click.echo(render(each) + "\n", err=True)
 
 

@@ -13,6 +13,14 @@ from difflib import get_close_matches
 from functools import lru_cache
 from typing import Literal
 
+# Control pictures and `�` for what would move the cursor, colour or reorder a terminal's text.
+_VISIBLE = (
+    {code: 0x2400 + code for code in range(0x20) if chr(code) not in "\n\t"}
+    | {0x7F: 0x2421}
+    | dict.fromkeys((*range(0x80, 0xA0), *range(0x2028, 0x202F), *range(0x2066, 0x206A)), 0xFFFD)
+    | dict.fromkeys((0x200E, 0x200F, 0xFEFF, *range(0xD800, 0xE000)), 0xFFFD)
+)
+
 
 @lru_cache(maxsize=4)
 def _line_starts(text: str) -> tuple[int, ...]:
@@ -122,7 +130,7 @@ def render(diagnostic: Diagnostic) -> str:
         lines.append(f"{gutter} = in {diagnostic.trail}")
     if diagnostic.hint:
         lines.append(f"{gutter} = {diagnostic.hint}")
-    return "\n".join(lines)
+    return "\n".join(lines).translate(_VISIBLE)
 
 
 def _marked(

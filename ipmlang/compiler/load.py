@@ -87,6 +87,12 @@ class Loaded:
         """What was wrong so far, file by file."""
         return tuple(problem for file in self.files for problem in file.problems)
 
+    @property
+    def paths(self) -> tuple[Path, ...]:
+        """Every file that was read or that the grammar refers to."""
+        read = tuple(Path(file.source.path) for file in self.files)
+        return read + tuple(path for file in self.files for path in file.references.found())
+
 
 @remember
 def shared_cache() -> Cache:

@@ -116,6 +116,10 @@ class References:
             self._files[key] = self._look(name, suffixes)
         return self._files[key]
 
+    def found(self) -> Iterator[Path]:
+        """The files that were asked for and exist."""
+        return (path for path in self._files.values() if isinstance(path, Path))
+
     def _look(self, name: str, suffixes: tuple[str, ...]) -> Path | Problem:
         path = self.folder / name
         if not self.allow_outside and not is_inside(path, self.root):
