@@ -458,3 +458,22 @@ def test_box_of_the_drawing() -> None:
     assert box(sized.elements[0])[2] == 48
     assert of('width="10in" viewBox="1 2 3 4"').box == (1, 2, 3, 4)
     assert of('width="100%"').box is None
+
+
+def test_a_clip_fitted_to_each_box_stays_one_for_each() -> None:
+    """Neighbours with one clip share a group, but not where the clip follows what it clips."""
+    clip = '<clipPath id="c" clipPathUnits="{}"><circle r=".5"/></clipPath>'
+    pair = '<rect width="9" height="9" clip-path="url(#c)"/>' * 2
+    for units, groups in (("userSpaceOnUse", 1), ("objectBoundingBox", 2)):
+        drawing = read(clip.format(units) + pair)
+        assert len({element.style.effects for element in drawing.elements}) == groups
+
+
+def test_what_is_left_out_of_the_root_is_said() -> None:
+    def said(fitting: str) -> bool:
+        head = HEAD.replace(">", f' preserveAspectRatio="{fitting}">')
+        notes = read_svg((head + SQUARE + "</svg>").encode()).notes
+        return "root-fitting" in {note.code for note in notes}
+
+    assert said("none") and said("xMinYMin") and said("xMidYMid slice")
+    assert not said("xMidYMid") and not said("xMidYMid meet")

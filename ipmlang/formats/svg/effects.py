@@ -67,7 +67,9 @@ class Effects:
             attributes.append(("style", ";".join(css)))
         if not attributes:
             return None
-        mergeable = all(name == "clip-path" for name, _ in attributes)
+        # The same clip twice in a row is one clip, unless it is fitted to the box of what it clips.
+        fitted = any("objectBoundingBox" in each for each in definitions.values())
+        mergeable = not fitted and all(name == "clip-path" for name, _ in attributes)
         if _SPACELESS.issuperset(name for name, _ in attributes):
             matrix = IDENTITY  # So that equal effects in different places have one name.
         text = "".join(definitions.values())

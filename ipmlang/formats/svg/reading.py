@@ -121,9 +121,14 @@ def _drawing(source: Source, node: Node) -> Drawing:
 
 
 def _note_root(source: Source, style: Computed) -> None:
-    line = source.document.root.line
+    root = source.document.root
+    line = root.line
     if "background" in style.own or "background-color" in style.own:
         source.notes.add("background", "the background of the page is no part of the drawing", line)
+    fitting = root.attributes.get("preserveAspectRatio", "").split()
+    if fitting not in ([], ["xMidYMid"], ["xMidYMid", "meet"]):
+        note = "the preserveAspectRatio of <svg> itself is left out"
+        source.notes.add("root-fitting", note, line)
     if "transform" in style.own:
         source.notes.add("root-transform", "the transform of <svg> itself is left out", line)
 
