@@ -25,7 +25,7 @@ from ipmlang.compiler.checking.environment import Environment, declare
 from ipmlang.compiler.checking.findings import Findings, Key
 from ipmlang.compiler.checking.groups import Group, check_groups
 from ipmlang.compiler.checking.items import check_item, entry_of
-from ipmlang.compiler.checking.nearby import near_misses
+from ipmlang.compiler.checking.nearby import glued, near_misses
 from ipmlang.compiler.diagnostics import Diagnostic, Label
 from ipmlang.compiler.load import Loaded
 from ipmlang.compiler.ops import OPERATIONS
@@ -186,7 +186,7 @@ def _not_ready(groups: list[Group]) -> Iterator[NotReady]:
 
 
 def _near_misses(group: Group) -> Iterator[Diagnostic]:
-    """Warnings for terminals whose name is one letter off a known one."""
+    """Warnings for terminals whose name is one letter off a known one, or several run together."""
     places: dict[str, tuple[int, ast.Span]] = {}
     for index, findings in enumerate(group.findings):
         for (name, _), span in findings.terminals.items():
@@ -204,6 +204,17 @@ def _near_misses(group: Group) -> Iterator[Diagnostic]:
             warning=True,
         )
         yield replace(found, suggestions=(other,))
+    for name, written in glued(places, known).items():
+        index, span = places[name]
+        found = group.diagnostic(
+            index,
+            ast.Span(span.start, span.start + len(name)),
+            "near-miss",
+            f"no rule or asset is called `{name}`, it draws itself; "
+            "symbols next to each other need blanks",
+            warning=True,
+        )
+        yield replace(found, suggestions=(written,))
 
 
 def _endless(group: Group, cache: Cache) -> Iterator[Diagnostic]:

@@ -38,6 +38,7 @@ def explain(refused: RefusedError, text: str) -> Trouble:
         _foreign_operator,
         _reserved_word,
         _unmatched,
+        _repeat_head,
         _parts,
         _unknown_item,
         _missing_arrow,
@@ -174,6 +175,10 @@ def _foreign_operator(refused: RefusedError, text: str) -> Trouble | None:
             return _foreign(token.start, token.end + 1, text, hint)
     if in_expression and token.terminal in _FOREIGN_IN_EXPRESSION:
         return _foreign(token.start, token.end, text, _FOREIGN_IN_EXPRESSION[token.terminal])
+    if previous is not None and previous.terminal == "PERCENT" and token.terminal == "COLON":
+        message = "nothing stands between a percentage and the arrow"
+        hint = "the condition comes first: x > 3 : 30% -->"
+        return Trouble("unexpected-token", message, token.start, token.end, "`-->`", hint)
     if previous is not None and previous.terminal == "PERCENT" and "ARROW" in refused.expected:
         hint = _FOREIGN_IN_EXPRESSION["PERCENT"]
         return _foreign(previous.start, previous.end, text, hint)
@@ -183,6 +188,9 @@ def _foreign_operator(refused: RefusedError, text: str) -> Trouble | None:
         return Trouble("chained-comparison", message, token.start, token.end, None, hint)
     if token.terminal == "BANG" and {"NUMBER", "NOT"} <= refused.expected:
         return _foreign(token.start, token.end, text, "write `not`")
+    if previous is not None and text.startswith("/*", refused.before[-1].start):
+        hint = "a comment starts with `//`, and goes on to the end of its line"
+        return _foreign(refused.before[-1].start, refused.before[-1].start + 2, text, hint)
     if token.terminal == "QUOTE":
         hint = 'strings stand in double quotes: "…"'
         return Trouble(
@@ -264,6 +272,17 @@ def _unmatched(refused: RefusedError, text: str) -> Trouble | None:
     message = f"`{token.text}` stands where `{opened[-1].text}` is still open"
     closer = BRACKETS[OPENERS[opened[-1].terminal]]
     return Trouble("unclosed-bracket", message, token.start, token.end, f"`{closer}`")
+
+
+def _repeat_head(refused: RefusedError, text: str) -> Trouble | None:
+    """A `repeat` without its counter."""
+    token = refused.token
+    if not refused.before or refused.before[0].terminal != "REPEAT":
+        return None
+    message = "`repeat` needs a counter or a table in brackets"
+    hint = "the copies are numbered from 0: repeat(i < 3) { F }"
+    expected = "`(i < count)` or `(row in table)`"
+    return Trouble("missing-counter", message, token.start, token.end, expected, hint)
 
 
 def _parts(refused: RefusedError, text: str) -> Trouble | None:

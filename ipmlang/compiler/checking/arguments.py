@@ -136,6 +136,8 @@ def _forms(record: Operation) -> str:
     if len(bounds) == 1:
         return arguments(bounds[0])
     exact = sorted({count for low, high in bounds for count in range(low, (high or low) + 1)})
+    if len(exact) == 1:
+        return arguments((exact[0], exact[0]))
     shown = [str(count) if count else "no" for count in exact]
     many = "argument" if exact[-1] == 1 else "arguments"
     return f"{', '.join(shown[:-1])} or {shown[-1]} {many}"

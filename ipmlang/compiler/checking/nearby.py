@@ -1,4 +1,5 @@
-"""Terminals that nothing defines and whose name is one letter off a name that something has.
+"""Terminals that nothing defines and whose name is one letter off a name that something has, or
+several one-letter names without the blanks between them.
 
 Names are compared by what is left when one letter is taken out, so that the time is linear in the
 length of all names. Names that differ in a digit (`leaf_1`, `leaf_2`) are meant to differ.
@@ -32,6 +33,17 @@ def near_misses(terminals: Iterable[str], known: Iterable[str]) -> Mapping[str, 
         if close:
             found[name] = min(close)
     return found
+
+
+def glued(names: Iterable[str], known: Iterable[str]) -> Mapping[str, str]:
+    """For each name that is nothing but known one-letter symbols in a row, as books and other
+    programs write them, how it is written with blanks.
+
+    >>> glued(["FF", "FX", "Fence"], ["F", "X"])
+    {'FF': 'F F', 'FX': 'F X'}
+    """
+    letters = {name for name in known if len(name) == 1}
+    return {name: " ".join(name) for name in names if len(name) > 1 and letters.issuperset(name)}
 
 
 def _without_one(name: str) -> list[str]:

@@ -36,7 +36,7 @@ def check_start(scope: Scope, start: ast.Start) -> None:
             )
     _word(scope, start, start.direction, DIRECTIONS, "direction")
     _word(scope, start, start.avoiding, AVOIDABLE, "avoiding")
-    for name in start.sites:
+    for name in dict.fromkeys(start.sites):
         _site(scope, start, name)
 
 

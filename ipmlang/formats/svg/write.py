@@ -93,7 +93,7 @@ def _corners(drawn: Sequence[DrawnElement]) -> list[NDArray[np.float64]]:
     pen = np.repeat(pens, [len(outline.kind) for outline in outlines])[:, None]
     # Ends and handles of lines and curves; the box of the whole ellipse for arcs.
     used = np.arange(4) <= kind[:, None]
-    reach = np.sqrt(coords[:, 1] ** 2 + coords[:, 2] ** 2)
+    reach = np.hypot(coords[:, 1], coords[:, 2])
     arc, used = kind[:, None] == ARC, used[:, :, None]
     low = np.where(used, coords, np.inf).min(axis=1)
     high = np.where(used, coords, -np.inf).max(axis=1)
