@@ -81,7 +81,7 @@ def mesh_contents(
             from ipmlang.formats.mesh_batches import world_triangles
             from ipmlang.formats.stl import write_stl
 
-            return {path: write_stl(*world_triangles(scene, up))}
+            return {path: write_stl(*world_triangles(scene, up)[:2])}
         case suffix:
             raise FormatError(f"a model cannot be written as `{suffix}`")
 

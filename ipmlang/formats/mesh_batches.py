@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,10 @@ from ipmlang.formats.mesh_types import (
     triangulated,
 )
 
+Colors: TypeAlias = NDArray[np.uint8]
+
+UNCOLORED = (0.8, 0.8, 0.8, 1.0)
+"""What is shown where nothing says a colour."""
 _BATCH = 300_000  # vertices made at a time
 
 
@@ -63,16 +67,41 @@ def batches(scene: MeshScene, up: Literal["y-up", "z-up"] = "z-up") -> Iterator[
 
 def world_triangles(
     scene: MeshScene, up: Literal["y-up", "z-up"] = "z-up"
-) -> tuple[Floats, Indices]:
-    """All copies as vertices (v, 3) and triangles (t, 3)."""
+) -> tuple[Floats, Indices, Colors | None]:
+    """All copies as vertices (v, 3), triangles (t, 3) and their colours (t, 4), 0 to 255 each; None
+    instead of these where nothing has a colour.
+    """
     vertices: list[NDArray[np.float64]] = [np.zeros((0, 3))]
     triangles: list[Indices] = [np.zeros((0, 3), np.int64)]
+    colors: list[Colors] = [np.zeros((0, 4), np.uint8)]
     count = 0
     for batch in batches(scene, up):
         copies, size = batch.vertices.shape[:2]
-        one = batch.mesh.corners[triangulated(batch.mesh)[0]]
+        corners, face = triangulated(batch.mesh)
+        one = batch.mesh.corners[corners]
         shifts = count + size * np.arange(copies)
         triangles.append((one[None] + shifts[:, None, None]).reshape(-1, 3))
         vertices.append(batch.vertices.reshape(-1, 3))
+        colors.append(np.tile(_face_colors(scene, batch)[face], (copies, 1)))
         count += copies * size
-    return np.concatenate(vertices), np.concatenate(triangles)
+    known = (*scene.materials, *(each for mesh in scene.meshes for each in mesh.materials))
+    colored = any(each.color is not None for each in known)
+    return (
+        np.concatenate(vertices),
+        np.concatenate(triangles),
+        np.concatenate(colors) if colored else None,
+    )
+
+
+def _face_colors(scene: MeshScene, batch: Batch) -> Colors:
+    """The colour (f, 4) of each face of a batch's mesh; one that has none is light grey."""
+    mesh = batch.mesh
+    if batch.material >= 0:
+        table = [scene.materials[batch.material].color]
+        chosen = np.zeros(len(mesh.material), np.int64)
+    else:
+        table = [*(each.color for each in mesh.materials), None]
+        chosen = mesh.material  # -1, for none, is the last entry
+    shares = np.array([UNCOLORED if color is None else color for color in table])
+    rounded: Colors = np.rint(shares * 255).astype(np.uint8)
+    return rounded[chosen]

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.formats.atomic import Content
-from ipmlang.formats.mesh_batches import Batch, batches
+from ipmlang.formats.mesh_batches import UNCOLORED, Batch, batches
 from ipmlang.formats.mesh_types import Indices, Material, Mesh, MeshScene
 from ipmlang.formats.numbers import decimal_text
 
@@ -51,7 +51,7 @@ def _materials(scene: MeshScene) -> dict[str, Material]:
 def _library(materials: Mapping[str, Material]) -> str:
     lines = ["# written by ipmlang"]
     for name, material in {**materials, _NO_MATERIAL.name: _NO_MATERIAL}.items():
-        red, green, blue, opacity = material.color or (0.8, 0.8, 0.8, 1.0)
+        red, green, blue, opacity = material.color or UNCOLORED
         color = " ".join(decimal_text(each, 7) for each in (red, green, blue))
         lines += [f"newmtl {name}", f"Kd {color}", f"d {decimal_text(opacity, 7)}"]
     return "\n".join(lines) + "\n"

@@ -84,16 +84,27 @@ def read_ply(path: Path) -> MeshScene:
     return _mesh(found, path.stem)
 
 
-def write_ply(vertices: NDArray[np.float64], triangles: Ints) -> bytes:
-    """A binary PLY: vertices (v, 3) as doubles, so that nothing is lost, and triangles (t, 3)."""
+def write_ply(
+    vertices: NDArray[np.float64], triangles: Ints, colors: NDArray[np.uint8] | None = None
+) -> bytes:
+    """A binary PLY: vertices (v, 3) as doubles, so that nothing is lost, triangles (t, 3), and for
+    each its colour (t, 4) if there are any.
+    """
+    named = () if colors is None else ("red", "green", "blue", "alpha")
     header = (
         "ply\nformat binary_little_endian 1.0\ncomment written by ipmlang\n"
         f"element vertex {len(vertices)}\n"
         "property double x\nproperty double y\nproperty double z\n"
-        f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
+        f"element face {len(triangles)}\nproperty list uchar int vertex_indices\n"
+        + "".join(f"property uchar {name}\n" for name in named)
+        + "end_header\n"
     )
-    faces = np.empty(len(triangles), [("count", "u1"), ("corners", "<i4", (3,))])
+    faces = np.empty(
+        len(triangles), [("count", "u1"), ("corners", "<i4", (3,)), ("color", "u1", (len(named),))]
+    )
     faces["count"], faces["corners"] = 3, triangles
+    if colors is not None:
+        faces["color"] = colors
     return header.encode("ascii") + vertices.astype("<f8").tobytes() + faces.tobytes()
 
 

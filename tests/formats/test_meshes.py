@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import json
 import struct
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from ipmlang.formats import FormatError
-from ipmlang.formats.mesh import mesh_names, read_mesh, read_meshes
-from ipmlang.formats.mesh_types import Mesh, triangulated
+from ipmlang.formats.atomic import write_files
+from ipmlang.formats.mesh import mesh_contents, mesh_names, read_mesh, read_meshes
+from ipmlang.formats.mesh_types import Material, Mesh, MeshScene, triangulated
+from ipmlang.runtime.export.models import unit_cube
 
 QUAD = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\n"
 
@@ -324,3 +327,23 @@ def test_hostile_models(name: str, data: Path) -> None:
     with pytest.raises(expected) as caught:
         read_mesh(data / "hostile" / name)
     assert "\n" not in str(caught.value)
+
+
+def test_ply_keeps_the_colour_of_each_face(tmp_path: Path) -> None:
+    """What another program reads: a copy's colour, else that of its mesh, else grey."""
+    import trimesh
+
+    red, blue = Material("red", (1, 0, 0, 1)), Material("blue", (0, 0, 1, 0.6))
+    cube = unit_cube()
+    mesh = replace(cube, material=np.arange(len(cube.material)) % 2 - 1, materials=(red,))
+    copies = np.stack([np.eye(3, 4), np.eye(3, 4) + [[0, 0, 0, 5]] * 3])
+    none = np.zeros(2, np.int64)
+    scene = MeshScene((mesh,), none, copies, none, np.array([-1, 0]), ("cube",), (blue,))
+    path = tmp_path / "a.ply"
+    write_files(mesh_contents(scene, path))
+    found = trimesh.load(path, process=False)
+    seen = np.unique(found.visual.face_colors, axis=0).tolist()
+    assert seen == [[0, 0, 255, 153], [204, 204, 204, 255], [255, 0, 0, 255]]
+    blues = (found.visual.face_colors == [0, 0, 255, 153]).all(axis=1)
+    assert found.triangles_center[blues].min() >= 4.5
+    assert volume(read_mesh(path)) == pytest.approx(2)
