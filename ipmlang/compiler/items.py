@@ -14,11 +14,12 @@ from typing import Generic, TypeAlias, TypeVar
 Result = TypeVar("Result")
 
 # The end of a line, the empty and comment lines below it, and group 1 if an item starts there. It
-# takes in every such line once, so a file of comments alone is no trap.
-_LINE = re.compile(r"\n(?:[^\S\n]*+(?://[^\n]*+)?+\n)*+((?!//|-->)(?=[^\s)\]}|,]))?")
+# takes in every such line once, so a file of comments alone is no trap. (Possessive groups, `)*+`,
+# would say so better, but before Python 3.11.5 they do not match what they should.)
+_LINE = re.compile(r"\n(?:[^\S\n]*+(?://[^\n]*+)?\n)*((?!//|-->)(?=[^\s)\]}|,]))?")
 _FIRST = re.compile(r"(?!//|-->)(?=[^\s)\]}|,])")
 _CODE = re.compile(r"^[^\S\n]*+(?!//)\S", re.MULTILINE)
-_NO_CODE = re.compile(r"[^\S\n]*+(?://[^\n]*+)?+\Z")
+_NO_CODE = re.compile(r"[^\S\n]*+(?://[^\n]*+)?\Z")
 
 Piece: TypeAlias = "tuple[int, int]"
 

@@ -93,7 +93,7 @@ def _lexicon(parser: Lark) -> tuple[list[str], str, dict[str, int]]:
     ordered = [*patterns, *marks]
     blank = next(each for name, each in definitions.items() if name.startswith("__IGNORE"))
     groups = [f"({definitions[name].pattern.to_regexp()})" for name in ordered]
-    master = f"(?>{blank.pattern.value})?+(?:{'|'.join([*groups, END_PATTERN, ANY_PATTERN])})"
+    master = f"(?:{blank.pattern.value})?(?:{'|'.join([*groups, END_PATTERN, ANY_PATTERN])})"
     terminals = ["", *ordered, END, "UNKNOWN", *keywords]
     numbers = {definitions[name].pattern.value: terminals.index(name) for name in keywords}
     return terminals, master, numbers

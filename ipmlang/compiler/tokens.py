@@ -13,11 +13,11 @@ from ipmlang.compiler import ast
 from ipmlang.compiler.automaton import lexicon
 
 # Comments come first and are taken away; the rest follows the terminals of grammar.lark.
-_COMMENT = re.compile(r'("(?:[^"\\\n]|\\[^\n])*+")|//[^\n]*+')
+_COMMENT = re.compile(r'("(?:[^"\\\n]|\\[^\n])*")|//[^\n]*+')
 _TOKEN = re.compile(
-    r'"(?:[^"\\\n]|\\[^\n])*+"'
-    r"|[^\W\d]\w*+(?:\.[^\W\d]\w*+)*+"
-    r"|[0-9]++(?:\.[0-9]++)?+(?:[eE][+-]?[0-9]++)?+"
+    r'"(?:[^"\\\n]|\\[^\n])*"'
+    r"|[^\W\d]\w*+(?:\.[^\W\d]\w*+)*"
+    r"|[0-9]++(?:\.[0-9]++)?(?:[eE][+-]?[0-9]++)?"
     r"|-->|\.\.|[<>=!]=|[^\s,]"
 )
 _NAME = re.compile(r"[^\W\d]\w*(?:\.[^\W\d]\w*)*")

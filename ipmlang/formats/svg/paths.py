@@ -20,7 +20,7 @@ from ipmlang.formats.svg.units import NUMBER
 
 _SPACE = r"[ \t\r\n\f]*+"
 _READABLE = re.compile(
-    rf"{_SPACE}(?:[MmZzLlHhVvCcSsQqTtAa]{_SPACE}(?:{NUMBER}{_SPACE},?+{_SPACE})*+)*+", re.ASCII
+    rf"{_SPACE}[MmZzLlHhVvCcSsQqTtAa]{_SPACE}(?:{NUMBER}{_SPACE},?+{_SPACE})*", re.ASCII
 )
 _COMMANDS = re.compile(r"([MmZzLlHhVvCcSsQqTtAa])([^MmZzLlHhVvCcSsQqTtAa]*+)")
 _NUMBERS = re.compile(NUMBER, re.ASCII)
@@ -173,11 +173,18 @@ def parse_path(text: str) -> PathData:
     >>> parse_path("M 10 10 L 20 garbage C 1 2 3") == PathData(None, False)
     True
     """
-    match = _READABLE.match(text)
-    end = match.end() if match else 0
+    end = _readable(text)
     pen = Pen()
     whole = _draw(pen, _COMMANDS.findall(text[:end])) and end == len(text)
     return PathData(pen.outline(), whole)
+
+
+def _readable(text: str) -> int:
+    """How far a text is commands and numbers."""
+    end = len(text) - len(text.lstrip(" \t\r\n\f"))
+    while match := _READABLE.match(text, end):
+        end = match.end()
+    return end
 
 
 def _draw(pen: Pen, commands: Sequence[tuple[str, str]]) -> bool:

@@ -19,7 +19,7 @@ from ipmlang.formats.svg.xml import Node, read_document
 
 NAMESPACE = "https://ipmlang.org/ns"
 _TABLE = f"{{{NAMESPACE}}}table"
-_CELL = re.compile(r'"(?:[^"\\]++|\\.)*+"|[^\s"]++|"')
+_CELL = re.compile(r'"(?:[^"\\]++|\\.)*"|[^\s"]++|"')
 
 Cell: TypeAlias = float | str
 

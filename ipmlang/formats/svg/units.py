@@ -9,10 +9,11 @@ from __future__ import annotations
 import math
 import re
 
-NUMBER = r"[+-]?(?:\d++\.?+\d*+|\.\d++)(?:[eE][+-]?\d++)?+"
+# No group is possessive (`)*+`): before Python 3.11.5 such groups do not match what they should.
+NUMBER = r"[+-]?(?:\d++\.?+\d*+|\.\d++)(?:[eE][+-]?\d++)?"
 _LENGTH = re.compile(rf"\s*({NUMBER})\s*([a-zA-Z]*|%)\s*", re.ASCII)
 _NUMBERS = re.compile(NUMBER, re.ASCII)
-_ONLY_NUMBERS = re.compile(rf"\s*+(?:{NUMBER}\s*+,?+\s*+)*+", re.ASCII)
+_ONLY_NUMBERS = re.compile(rf"\s*+(?:{NUMBER}\s*+,?+\s*+)*", re.ASCII)
 
 INCH = 96.0
 UNITS = {
