@@ -79,10 +79,15 @@ def check_inference(file: Path, output: Path | None) -> None:
         if any("\ud800" <= letter <= "\udfff" for letter in str(path)):
             hint = "rename it: its name is not encoded as this system expects"
             raise fail("bad-command", f"no grammar can hold the name `{path.name}`", hint=hint)
+    if file.is_dir():
+        raise fail("is-a-folder", f"{file} is a folder, not a drawing")
     if output is None:
         return
     if output.suffix != ".ipm":
         raise fail("bad-command", f"a grammar is written to a .ipm file, not `{output.name}`")
+    if not output.absolute().parent.is_dir():
+        message = f"cannot write `{output}`: there is no folder `{output.parent}`"
+        raise fail("cannot-write", message, hint="make the folder first, or name one that exists")
     keep_apart([output, output.with_name(f"{output.stem}.parts.svg")], [file])
 
 

@@ -82,12 +82,12 @@ def commands() -> None:
 
 
 @commands.command()
-@click.argument("file", type=click.Path(path_type=Path))
+@click.argument("file", type=click.Path(path_type=Path, readable=False))
 @click.option(
     "-o",
     "--output",
     required=True,
-    type=click.Path(path_type=Path),
+    type=click.Path(path_type=Path, readable=False),
     help="where to write: .svg .png .obj .glb .ply .stl",
 )
 @click.option(
@@ -165,11 +165,11 @@ def run(
 
 
 @commands.command()
-@click.argument("file", type=click.Path(path_type=Path))
+@click.argument("file", type=click.Path(path_type=Path, readable=False))
 @click.option(
     "-o",
     "--output",
-    type=click.Path(path_type=Path),
+    type=click.Path(path_type=Path, readable=False),
     help="the grammar to write, .ipm; its parts file goes beside it",
 )
 @click.option(
@@ -202,7 +202,7 @@ def infer(file: Path, output: Path | None, method: str, flat: bool, as_json: boo
 
 
 @commands.command()
-@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path, readable=False))
 @click.option("--allow-outside", is_flag=True, help="let assets lie outside the grammar's folder")
 @click.option("--json", "as_json", is_flag=True, help="print one JSON object")
 def check(files: tuple[Path, ...], allow_outside: bool, as_json: bool) -> None:
@@ -235,7 +235,7 @@ def check(files: tuple[Path, ...], allow_outside: bool, as_json: bool) -> None:
 
 
 @commands.command()
-@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path, readable=False))
 @click.option("--check", "only_check", is_flag=True, help="change nothing; exit 1 if it would")
 @click.option("--stdout", is_flag=True, help="print the result instead of rewriting the file")
 @click.option("--json", "as_json", is_flag=True, help="print one JSON object")

@@ -145,3 +145,17 @@ def test_a_file_cannot_write_to_the_terminal(folder: Path) -> None:
     done = ipmlang("check", "escape.ipm", folder=folder)
     assert done.returncode == 1
     assert "\x1b" not in done.stderr and "\u202e" not in done.stderr
+
+
+@pytest.mark.parametrize("words", ["infer . -o x.ipm", "infer x.parts.svg -o no/folder/x.ipm"])
+def test_what_cannot_work_is_said_before_any_work(words: str, folder: Path) -> None:
+    done = ipmlang(*words.split(), "--json", folder=folder)
+    assert done.returncode == 1
+    assert "folder" in json.loads(done.stdout)["diagnostics"][0]["message"]
+
+
+@pytest.mark.skipif(sys.platform == "win32" or os.geteuid() == 0, reason="root may read all")
+def test_a_file_that_may_not_be_read_is_the_files_fault(folder: Path) -> None:
+    (folder / "a.ipm").chmod(0)
+    done = ipmlang("check", "a.ipm", folder=folder)
+    assert done.returncode == 1 and "a.ipm" in done.stderr
