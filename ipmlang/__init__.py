@@ -48,12 +48,13 @@ class Grammar:
     def run(
         self,
         *,
-        seed: int = 0,
+        seed: int | None = None,
         attrs: Mapping[str, int | float | bool | str] | None = None,
         backend: str = "cpu",
         limits: Limits | None = None,
     ) -> Scene:
-        """Derive the grammar into a scene: a table of instances in derivation order.
+        """Derive the grammar into a scene: a table of instances in derivation order. Without a
+        seed, which is seed 0, `start … choices` draws what it drew when it was written.
 
         Raises IpmError for an unknown attribute, a value out of range, a limit that was reached.
         """

@@ -11,14 +11,15 @@ from __future__ import annotations
 import json
 import sys
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail, render
+from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail
+from ipmlang.edit_commands import edit, vary_file
+from ipmlang.telling import findings_record, show, working
 
 if TYPE_CHECKING:
     from ipmlang.inverse import Inference
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 USER_FILE_WRONG, COMMAND_WRONG = 1, 2
 COMMAND_CODES = frozenset(
     {"unknown-attribute", "wrong-attribute-type", "attribute-out-of-range", "no-such-backend",
-     "unknown-format", "unknown-method", "bad-command"}
+     "unknown-format", "unknown-method", "bad-command", "nothing-selected"}
 )  # fmt: skip
 
 
@@ -79,6 +80,10 @@ def commands() -> None:
     ipmlang infer garden.svg -o garden.ipm     read a drawing, print its grammar
     ipmlang run garden.ipm -o new.svg          derive a grammar into a drawing or a model
     """
+
+
+commands.add_command(edit)
+commands.add_command(vary_file)
 
 
 @commands.command()
@@ -321,34 +326,6 @@ def tell_inference(found: Inference, output: Path | None, as_json: bool) -> None
         click.echo(f"{output}: {found.report.summary()}")
 
 
-def findings_record(found: Sequence[Diagnostic]) -> dict[str, object]:
-    """Diagnostics as JSON, and how many of them are errors."""
-    errors = sum(each.severity == "error" for each in found)
-    return {"errors": errors, "diagnostics": [as_record(each) for each in found]}
-
-
-def as_record(diagnostic: Diagnostic) -> dict[str, object]:
-    """A diagnostic as JSON: code, severity, message, place, expectation, suggestions."""
-    record: dict[str, object] = {
-        "code": diagnostic.code,
-        "severity": diagnostic.severity,
-        "message": diagnostic.message,
-        "expected": diagnostic.expected,
-        "hint": diagnostic.hint,
-        "suggestions": list(diagnostic.suggestions),
-    }
-    if diagnostic.source is not None:
-        line, column, _ = diagnostic.source.place(diagnostic.start)
-        record |= {"file": diagnostic.source.path, "line": line, "column": column}
-    return record
-
-
-def show(found: Sequence[Diagnostic]) -> None:
-    """Print diagnostics to standard error."""
-    for each in found:
-        click.echo(render(each) + "\n", err=True)
-
-
 def peak_memory() -> int:
     """The most memory this process ever held, in bytes; 0 where the system does not tell."""
     try:
@@ -357,34 +334,3 @@ def peak_memory() -> int:
         return 0
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return peak if sys.platform == "darwin" else peak * 1024
-
-
-class Say:
-    """Tells a person at a terminal what long work is doing; silent elsewhere."""
-
-    def __init__(self, what: str) -> None:
-        self.started = time.monotonic()
-        self.shown = False
-        self.what = what
-
-    def __call__(self, what: str) -> None:
-        """Note a new phase; it is shown once the work has taken a second."""
-        self.what = what
-        if sys.stderr.isatty() and time.monotonic() - self.started > 1.0:
-            self.shown = True
-            click.echo(f"\r\033[K{what} …", nl=False, err=True)
-
-    def close(self) -> None:
-        """Leave the line clean."""
-        if self.shown:
-            click.echo("\r\033[K", nl=False, err=True)
-
-
-@contextmanager
-def working(what: str) -> Iterator[Say]:
-    """Show progress while the block runs."""
-    say = Say(what)
-    try:
-        yield say
-    finally:
-        say.close()

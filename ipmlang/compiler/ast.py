@@ -538,6 +538,16 @@ class Ignore:
 
 
 @dataclass(frozen=True, slots=True)
+class Residual:
+    """`residual T`: row k of the table adjusts the k-th terminal that is drawn."""
+
+    table: str
+    comments: tuple[Comment, ...] = field(default=(), compare=False)
+    blank_before: bool = field(default=False, compare=False)
+    span: Span = field(default=NOWHERE, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
 class Canvas:
     """`canvas (0, 0, 640, 480) width "10in" height "7.5in"`: lower left corner and size of a
     drawing, y up; the numbers are those of the SVG viewBox, which is flipped about its middle.
@@ -614,6 +624,7 @@ Item: TypeAlias = (
     | Turtle
     | Limit
     | Tropism
+    | Residual
     | Ignore
     | Canvas
     | Axes

@@ -182,6 +182,10 @@ def build_ignore(members: Members, start: int, end: int) -> ast.Ignore:
     return ast.Ignore(tuple(members[1]), span=Span(start, end))
 
 
+def build_residual(members: Members, start: int, end: int) -> ast.Residual:
+    return ast.Residual(members[1], span=Span(start, end))
+
+
 def build_canvas(members: Members, start: int, end: int) -> ast.Canvas:
     for word, _, begin, finish in members[2]:
         _known(word, ("width", "height"), "measure of a canvas", begin, finish)

@@ -12,7 +12,8 @@ BRACKETS = {
 ITEM_WORDS = frozenset(
     (
         *("ipm", "import", "asset", "table", "surface", "context", "attr", "const", "fn"),
-        *("turtle", "limit", "tropism", "ignore", "canvas", "axes", "site", "start", "interpret"),
+        *("turtle", "limit", "tropism", "ignore", "canvas", "axes", "residual", "site", "start"),
+        "interpret",
     )
 )
 OPERATORS = frozenset(

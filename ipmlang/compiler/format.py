@@ -319,6 +319,8 @@ def _declaration(item: ast.Item) -> list[str]:
             return _tropism_words(item)
         case ast.Ignore(names=names):
             return ["ignore", *names]
+        case ast.Residual(table=table):
+            return ["residual", table]
         case ast.Canvas():
             return _canvas_words(item)
         case ast.Axes(up=up):

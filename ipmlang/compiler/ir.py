@@ -46,9 +46,12 @@ Opcode: TypeAlias = Literal[
 ]
 
 Const: TypeAlias = "float | int | str | tuple[object, ...] | None"
+Chance: TypeAlias = "tuple[Literal['percent', 'weight'], tuple[Instruction, ...], int]"
 
 VALUE_OPS = frozenset({"const", "param", "attr", "index", "row", "call", "uniform"})
 BODY_OPS = frozenset({"module", "open", "close", "repeat"})
+RESIDUAL_TEXTS = ("css", "color", "fill", "stroke")
+RESIDUAL_COLUMNS = ("x", "y", "z", "angle", "scale", "layer", *RESIDUAL_TEXTS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +94,7 @@ class Production:
     parameters: int = 0
     guard: tuple[tuple[Instruction, ...], int] | None = None
     otherwise: bool = False
-    chance: tuple[Literal["percent", "weight"], tuple[Instruction, ...], int] | None = None
+    chance: Chance | None = None
     left: tuple[Pattern, ...] = ()
     right: tuple[Pattern, ...] = ()
     item: int = -1  # index into Grammar.items, for messages
@@ -106,7 +109,8 @@ class Symbol:
     `productions`: numbers of its alternatives in source order (empty: terminal or operation).
     `interpretation`: numbers of `interpret` alternatives. `meaning`: what a module of it that is
     left over does, None for nothing. `moves`: expanding or interpreting it can change the state for
-    what follows (computed as a fixed point over productions).
+    what follows (computed as a fixed point over productions). `carried`: how many parameters, the
+    last ones of `arity`, are attributes that some `set` changes: nobody wrote them.
     """
 
     name: str
@@ -116,6 +120,7 @@ class Symbol:
     meaning: tuple[Instruction, ...] | None = None
     meaning_registers: int = 0
     moves: bool = False
+    carried: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,6 +159,16 @@ class TableData:
 
 
 @dataclass(frozen=True, slots=True)
+class Residual:
+    """Row k of the table with this number adjusts the k-th drawn terminal, by its columns of
+    RESIDUAL_COLUMNS. `strict`: another number of rows than terminals is an error.
+    """
+
+    table: int
+    strict: bool = True
+
+
+@dataclass(frozen=True, slots=True)
 class Limits:
     """Where a derivation stops with an error: shapes (all ever made), steps (generations), depth
     (of the derivation tree), memory in bytes beyond the process as it was.
@@ -163,6 +178,19 @@ class Limits:
     steps: int = 200_000
     depth: int = 200_000
     memory: int = 8_000_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Late:
+    """Settings whose numbers attributes decide: code over them, run once when a run starts, and the
+    registers of a tropism (x, y, z, elasticity) and of limits by name. They take the places of
+    Program.tropism and of fields of Program.limits.
+    """
+
+    code: tuple[Instruction, ...]
+    registers: int
+    tropism: tuple[int, int, int, int] | None = None
+    limits: tuple[tuple[str, int], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,4 +222,6 @@ class Program:
     up: Literal["y-up", "z-up"] = "z-up"
     pen_width: float | None = None
     choices: str | None = None
+    residual: Residual | None = None
+    late: Late | None = None
     path: str = ""

@@ -44,6 +44,13 @@ def dump(program: ir.Program) -> str:
         lines.append(
             f"table {number} {table.name} {' '.join(table.columns)}: {len(table.rows)} rows"
         )
+    if program.late is not None:
+        lines += ["late", *_code(program, program.late.code, 1)]
+        lines += [f"    limit {name} r{register}" for name, register in program.late.limits]
+        if program.late.tropism is not None:
+            lines.append(f"    tropism {' '.join(f'r{each}' for each in program.late.tropism)}")
+    if program.residual is not None:
+        lines.append(f"residual {program.tables[program.residual.table].name}")
     for number, asset in enumerate(program.assets):
         lines.append(f"asset {number} {asset.name} {asset.path.name}#{asset.node or ''}")
     for number, symbol in enumerate(program.symbols):
@@ -57,6 +64,7 @@ def dump(program: ir.Program) -> str:
 def _symbol(program: ir.Program, number: int, symbol: ir.Symbol) -> Iterator[str]:
     words = [f"symbol {number} {symbol.name}/{symbol.arity}"]
     words += ["moves"] * symbol.moves
+    words += [f"carries {symbol.carried}"] * bool(symbol.carried)
     for word, alternatives in (
         ("productions", symbol.productions),
         ("interpretation", symbol.interpretation),

@@ -56,6 +56,13 @@ ITEMS = {
     "ignore + - F": "Symbols that contexts look through.",
     'canvas (0, 0, 640, 480) width "10in"': "The sheet of a drawing: lower left corner and size.",
     "axes y-up": "The up axis that OBJ, STL and PLY are written with.",
+    "residual T": "What no rule explains: row k of the table adjusts the k-th terminal that is "
+    "drawn, in the order of the derivation; a segment of `F`, an asset, a polygon are terminals. "
+    "Columns: `x`, `y`, `z` move it along the axes of the file; `angle` turns it about its own z, "
+    "`scale` multiplies it (a polygon, about its first corner); `color`, `fill`, `stroke`, `css` "
+    'stand in for those of its pen, `""` leaves them; `layer` is its paint order. A column may be '
+    "left out. There must be a row for each terminal; in a run with a seed or attributes of its "
+    "own, a residual that does not fit is left out, which is said.",
     'site S1 = "castle.glb#S1" radius 0.26': "A docking site.",
     "Head(a, b) : guard : 30% --> body": "A rule. The guard, the percentage or `weight w`, and the "
     "parameters may be left out; `else` is taken when it is reached. `A < B(x) > C` looks at what "
@@ -64,6 +71,36 @@ ITEMS = {
     "start Lot on box(8, 11, 0) steps 7": "The axiom, what it stands on, and for how many steps "
     "rules "
     "apply; without `steps` until none applies.",
+    'start Row(24) choices "Leaf:24:4Kd"': "Which productions were drawn, so that a run without a "
+    "seed draws them again; with `--seed` it draws anew. A part for each symbol that draws "
+    "(`Leaf/2` with its number of parameters where symbols of one name draw, `interpret-Leaf` for "
+    "`interpret` rules): its name, how many decisions, and their code. A decision is the number, "
+    "from 0 and in the order of the file, of the production that was taken among those of the "
+    "symbol that have a percentage or a weight; one more than the last says that none was. "
+    "Decisions stand generation by generation, and from left to right in the string within one. A "
+    "text of another length than the derivation asks for is an error; with `--set` it holds as far "
+    "as it goes and fits, and seed 0 draws the rest. Symbols that are not named draw from seed 0, "
+    "and so do `rand` and its like. `ipmlang.runtime.choices.encode` writes such texts.",
+}
+
+ELEMENTS = {
+    "Leaf(2) F +(30)": "Symbols and operations, one after the other, with blanks between them.",
+    "[ - F ] F": "A group: what follows it starts where the group did.",
+    "repeat(i < n) { [Picket(i)] f(13) }": "Copies, numbered from 0; `except (3, 7)` leaves some "
+    "out, `steps (1, 2)` moves on between them, `with r in T` or `repeat(r in T)` reads a table.",
+    "set width = 0.7 * width": "From here to the end of the body, the group, the braces or the "
+    "copy that it stands in, the attribute `width` has this value: in expressions behind it, and "
+    "for all descendants of what stands behind it, with their guards, chances, counts and `turtle` "
+    "settings. What stands before it or beside the body keeps the old value; so do other "
+    "attributes whose defaults read it. The range of an `attr` is for its users, not for rules.",
+}
+
+REPORT = {
+    "terminals": "What is drawn: segments, assets, polygons.",
+    "shapes": "What was derived: the start, every module made whose symbol has rules (one that "
+    "stays as it is counts anew in each generation), and every terminal. Operations, brackets and "
+    "what stands in a hole of a `repeat` do not count, however a grammar is derived.",
+    "generations": "How many parallel steps of rules it took, `interpret` rules apart.",
 }
 
 OPENING = """\
@@ -84,11 +121,17 @@ def reference() -> str:
         OPENING,
         "## Items\n",
         _table(("item", "what it does"), ((f"`{item}`", text) for item, text in ITEMS.items())),
+        "## In a body\n",
+        _table(("written", "what it is"), ((f"`{name}`", text) for name, text in ELEMENTS.items())),
         "## Settings\n",
         _table(
             ("item", "word", "without it", "what it does"),
             (_setting(each) for each in SETTINGS.values()),
         ),
+    ]
+    parts += [
+        "## What `run --json` counts\n",
+        _table(("number", "of what"), ((f"`{name}`", text) for name, text in REPORT.items())),
     ]
     for family, title in FAMILIES.items():
         records = [each for each in ALL_OPERATIONS if each.family == family]

@@ -28,7 +28,7 @@ def verify(program: ir.Program) -> list[str]:
         found += _meaning(program, symbol)
     for number, attr in enumerate(program.attrs):
         found += _attribute(program, number, attr)
-    return found + _tables(program)
+    return found + _tables(program) + list(_late(program))
 
 
 def _productions(program: ir.Program) -> Iterator[ir.Production]:
@@ -218,7 +218,21 @@ def _attribute(program: ir.Program, number: int, attr: ir.Attribute) -> Iterator
             yield f"{where}: its default reads an attribute that comes after it"
 
 
+def _late(program: ir.Program) -> Iterator[str]:
+    if program.late is None:
+        return
+    code = program.late.code
+    yield from _registers("settings", program.late.registers, code, set())
+    for register in (*(program.late.tropism or ()), *(each for _, each in program.late.limits)):
+        yield from _result("settings", "setting", code, register)
+    for each in code:
+        yield from _instruction("settings", program, each, 0)
+
+
 def _tables(program: ir.Program) -> list[str]:
+    residual = program.residual
+    if residual is not None and not 0 <= residual.table < len(program.tables):
+        return [f"there is no table {residual.table} for the residual"]
     return [
         f"table {table.name}: a row has {len(row)} cells, not {len(table.columns)}"
         for table in program.tables

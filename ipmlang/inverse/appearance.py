@@ -2,7 +2,7 @@
 
 In come values of `formats.drawing`, out come truth values. Numbers agree within 1e-6 of their size
 wherever they stand, what cannot be seen (the width of no stroke) is left out, and the ids inside
-carried XML may differ, since they are only names. Nothing here looks at outlines.
+carried XML may differ, since they are only names. Clips alone are compared by their outlines.
 """
 
 from __future__ import annotations
@@ -10,7 +10,12 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
+import numpy as np
+
 from ipmlang.formats.drawing import Drawing, Effect, Fragment, Paint, PaintServer, Style
+from ipmlang.inverse.clips import placed_clip
+from ipmlang.inverse.distance import pair_distances
+from ipmlang.inverse.lsystem.curves import stack
 
 RELATIVE = 1e-6
 # Colours and references (#1e3a5f, #clip2) and names with digits are words, not numbers.
@@ -18,6 +23,8 @@ TOKEN = re.compile(r"(#[\w-]+|[A-Za-z_]{2,}[\w-]*)|([-+]?(?:\d+\.?\d*|\.\d+)(?:[
 # An attribute in single quotes, as one in double quotes would be written.
 QUOTED = re.compile(r"='([^'<>]*\"[^'<>]*)'")
 DEFINED = re.compile(r"""\bid\s*=\s*["']([^"']+)["']""")
+# Attributes of a group that look the same in any space; `style` holds blending alone.
+SPACELESS = frozenset({"opacity", "style"})
 Matrix = tuple[float, float, float, float, float, float]
 
 
@@ -44,7 +51,9 @@ def _same_pen(a: Style, b: Style) -> bool:
     return (
         near([a.stroke_width, ends[0]], [b.stroke_width, ends[1]])
         and near(a.dashes, b.dashes)
-        and near(a.stroke_matrix or plain, b.stroke_matrix or plain)
+        and same_matrix(
+            (*(a.stroke_matrix or plain), 0.0, 0.0), (*(b.stroke_matrix or plain), 0.0, 0.0), 1.0
+        )
     )
 
 
@@ -99,9 +108,23 @@ def _same_effect(a: Effect | None, b: Effect | None, unit: float) -> bool:
         _renamed([each.definitions, *(part for pair in sorted(each.attributes) for part in pair)])
         for each in (a, b)
     ]
-    # Without definitions nothing depends on the group's own space.
-    placed = not a.definitions.strip() or same_matrix(a.matrix, b.matrix, unit)
-    return placed and same_text(*texts)
+    placed = is_spaceless(a) or same_matrix(a.matrix, b.matrix, unit)
+    return (placed and same_text(*texts)) or _same_clip(a, b, unit)
+
+
+def _same_clip(a: Effect, b: Effect, unit: float) -> bool:
+    """Whether two effects only clip, and to the same shape, however it is written."""
+    one, other = placed_clip(a), placed_clip(b)
+    if one is None or other is None or one[1] != other[1]:
+        return False
+    fixed = np.zeros(1, np.bool_)
+    error = pair_distances(stack([one[0]]), stack([other[0]]), fixed, unit)
+    return bool(error[0] <= RELATIVE * unit)
+
+
+def is_spaceless(effect: Effect) -> bool:
+    """Whether nothing about an effect depends on the space of its group."""
+    return all(name in SPACELESS for name, _ in effect.attributes)
 
 
 def _renamed(texts: Sequence[str]) -> str:

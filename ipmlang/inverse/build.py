@@ -8,29 +8,22 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
 
 import numpy as np
 
 from ipmlang.compiler import ast
 from ipmlang.inverse.lsystem.frames import Frames
-from ipmlang.inverse.moves import call, even_place, turns, turtle_step
+from ipmlang.inverse.moves import call, even_place, polar_place, turns, turtle_step
 from ipmlang.inverse.naming import Names
 from ipmlang.inverse.numbers import ROOM, number, settled, shortest
 from ipmlang.inverse.reach import Reach
 from ipmlang.inverse.score import SMALL
-from ipmlang.inverse.simplify import AXIOM, Book, Loop, ring_centre
+from ipmlang.inverse.simplify import AXIOM, Book, Loop
 
 LABELS = ("x", "y", "angle", "scale")
 TABLE_ROWS = 8  # fewer placements of one symbol are written out
+VARIABLES = ("i", "j", "k")  # of sequences in sequences
 LIFTED = 4  # how many counts, and how many steps, become attributes
-
-
-@dataclass(frozen=True, slots=True)
-class Wrap:
-    """The reference of each effect that wraps a run, outermost first."""
-
-    references: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,14 +36,15 @@ class Painted:
 
 @dataclass(slots=True, eq=False)
 class Builder:
-    """Prints one book. names: of every terminal, group and family; wraps: by effects number; axiom:
-    the name of the start rule; painted: terminals that are drawn by another one's asset.
+    """Prints one book. names: of every terminal, group and family; effects: the reference of each
+    group's effect; axiom: the name of the start rule; painted: terminals that are drawn by another
+    one's asset.
     """
 
     book: Book
     reach: Reach
     names: dict[int, str]
-    wraps: Sequence[Wrap]
+    effects: Mapping[int, str]
     given: Names
     axiom: str
     painted: Mapping[int, Painted] = field(default_factory=dict)
@@ -58,21 +52,40 @@ class Builder:
 
     attributes: list[ast.Attr] = field(default_factory=list)
     tables: list[ast.Table] = field(default_factory=list)
+    _inlined: set[int] = field(default_factory=set)
+    _nested: set[int] = field(default_factory=set)
     _counts: dict[int, str] = field(default_factory=dict)
     _steps: dict[int, str] = field(default_factory=dict)
 
     def rules(self) -> list[ast.Rule]:
         """All rules, from the axiom downwards."""
+        self._inlined = self.book.inlined()
         self._lift()
-        made = [ast.Rule(ast.Head(self.axiom), self._axiom_body())]
+        self._nested = self.nested()
+        body = tuple(self._body(AXIOM)) or (ast.Module("nil"),)
+        made = [ast.Rule(ast.Head(self.axiom), body)]
         for rule in self._order()[1:]:
+            if rule in self._inlined or rule in self._nested:
+                continue
             if rule in self.book.loops:
                 made.append(self._loop_rule(rule))
             else:
-                body = self.book.bodies[rule]
-                elements = list(self._members(rule, body.parts.tolist(), body.places))
-                made.append(ast.Rule(ast.Head(self.names[rule]), tuple(elements)))
+                made.append(ast.Rule(ast.Head(self.names[rule]), tuple(self._body(rule))))
         return made
+
+    def _body(self, rule: int) -> Iterator[ast.Element]:
+        """What a group's rule says; a group under an effect brings its own bracket."""
+        if rule in self.effects:
+            yield ast.Bracket(self._wrapped(rule))
+            return
+        body = self.book.bodies[rule]
+        yield from self._run(rule, body.parts.tolist(), body.places)
+
+    def _wrapped(self, rule: int) -> tuple[ast.Element, ...]:
+        """`effect("x.parts.svg#clip") A B`, for a bracket."""
+        body = self.book.bodies[rule]
+        pen = call("effect", ast.Text(self.effects[rule]))
+        return (pen, *self._run(rule, body.parts.tolist(), body.places))
 
     def _order(self) -> list[int]:
         """Rules by their distance from the axiom, in the order of their first use."""
@@ -94,14 +107,12 @@ class Builder:
 
     # ---------------------------------------------------------------- placements
 
-    def _members(self, rule: int, parts: Sequence[int], places: Frames) -> Iterator[ast.Element]:
-        alone = len(parts) == 1
-        for index, part in enumerate(parts):
-            yield from self._placed(rule, part, places[index : index + 1], alone)
-
-    def _placed(self, rule: int, part: int, place: Frames, alone: bool) -> Iterator[ast.Element]:
+    def placed(self, rule: int, part: int, place: Frames, alone: bool) -> Iterator[ast.Element]:
         """`[at(x, y, angle, scale) mirror A]`, without what is not needed."""
         moves = self._moves(rule, part, place)
+        if part in self._inlined:
+            yield ast.Bracket((*moves, *self._wrapped(part)))
+            return
         if part in self.painted and self.painted[part].css:
             moves = (*moves, call("css", ast.Text(self.painted[part].css)))
         if moves or not (alone or self._stays(part)):
@@ -147,26 +158,11 @@ class Builder:
         arm = max(self.reach.radius[part], size)
         return size, min(1e-4, float(np.rad2deg(size / (scale * arm)))), min(1e-6, size / arm)
 
-    # --------------------------------------------------------------------- axiom
+    # ---------------------------------------------------------------------- runs
 
-    def _axiom_body(self) -> tuple[ast.Element, ...]:
-        body, wrap = self.book.bodies[AXIOM], self.book.wrap
-        made: list[ast.Element] = []
-        edges = np.flatnonzero(np.diff(wrap)) + 1
-        bounds = [0, *edges.tolist(), len(wrap)] if len(wrap) else [0]
-        for start, end in pairwise(bounds):
-            inner = list(self._run(body.parts[start:end].tolist(), body.places[start:end]))
-            references = self.wraps[int(wrap[start])].references
-            if references:
-                pens = [call("effect", ast.Text(each)) for each in references]
-                made.append(ast.Bracket((*pens, *inner)))
-            else:
-                made += inner
-        return tuple(made) or (ast.Module("nil"),)
-
-    def _run(self, parts: list[int], places: Frames) -> Iterator[ast.Element]:
+    def _run(self, rule: int, parts: list[int], places: Frames) -> Iterator[ast.Element]:
         """Placements in paint order, long runs of one symbol as tables."""
-        start = 0
+        start, alone = 0, len(parts) == 1
         while start < len(parts):
             end = start + 1
             asset, hand = self._asset(parts[start]), places.handedness[start]
@@ -175,14 +171,15 @@ class Builder:
                     break
                 end += 1
             if self.use_tables and end - start >= TABLE_ROWS:
-                yield self._table(parts[start:end], places[start:end])
+                yield self._table(rule, parts[start:end], places[start:end])
             else:
-                yield from self._members(AXIOM, parts[start:end], places[start:end])
+                for row in range(start, end):
+                    yield from self.placed(rule, parts[row], places[row : row + 1], alone)
             start = end
 
-    def _table(self, parts: list[int], places: Frames) -> ast.Element:
+    def _table(self, rule: int, parts: list[int], places: Frames) -> ast.Element:
         """`repeat(r in T) { [at(r.x, r.y) A] }`."""
-        rounded = self._rounded(parts[0], places)
+        rounded = self._rounded(rule, parts[0], places)
         name = self.given.give("Places")
         last = 3 if set(rounded[3]) != {1.0} else 2 if set(rounded[2]) != {0.0} else 1
         varying = [len(set(column)) > 1 for column in rounded]
@@ -205,9 +202,9 @@ class Builder:
         self.tables.append(ast.Table(name, None, tuple(columns), rows))
         return ast.Repeat(ast.Rows("r", name), (ast.Bracket((*place, self._module(parts[0]))),))
 
-    def _rounded(self, part: int, places: Frames) -> list[list[float]]:
+    def _rounded(self, rule: int, part: int, places: Frames) -> list[list[float]]:
         """x, y, angle and scale of many places as short numbers."""
-        size, turn, factor = self._errors(AXIOM, part, float(places.scale.max()))
+        size, turn, factor = self._errors(rule, part, float(places.scale.max()))
         return [
             [shortest(float(value), error) for value in column]
             for column, error in zip(
@@ -230,88 +227,97 @@ class Builder:
         return sorted(own)
 
     def _loop_rule(self, family: int) -> ast.Rule:
-        loop = self.book.loops[family]
-        sizes = self._sizes(family)
-        limit: ast.Expr
-        parameters: tuple[ast.Parameter, ...] = ()
+        parameters = (ast.Parameter("n"),) if self._parametric(family) else ()
+        return ast.Rule(
+            ast.Head(self.names[family], parameters), (self._loop(family, VARIABLES[0]),)
+        )
+
+    def _loop(self, family: int, variable: str) -> ast.Repeat:
+        """`repeat(i < n) { … }`."""
+        loop, sizes = self.book.loops[family], self._sizes(family)
+        limit: ast.Expr = number(float(sizes[-1]))
         if self._parametric(family):
-            limit, parameters = ast.Name("n"), (ast.Parameter("n"),)
+            limit = ast.Name("n")
         elif family in self._counts:
             limit = ast.Name(self._counts[family])
-        else:
-            limit = ast.Number(float(sizes[-1]))
-        body = self._loop_body(family, loop, sizes, limit)
-        head = ast.Head(self.names[family], parameters)
+        body = self._loop_body(family, loop, sizes, limit, variable)
         steps = tuple(number(each, self._step_error(family, loop)) for each in loop.pattern.steps)
-        return ast.Rule(head, (ast.Repeat(ast.Count("i", limit), body, steps=steps),))
+        return ast.Repeat(ast.Count(variable, limit), body, steps=steps)
+
+    def nested(self) -> set[int]:
+        """Sequences that only one other sequence repeats: a row of rows is one rule."""
+        used = self.book.uses()
+        families = {
+            self.book.family[loop.part]
+            for loop in self.book.loops.values()
+            if loop.part in self.book.family
+        }
+        plain = {family for family in families if used[family] == 1}
+        plain = {family for family in plain if not self._parametric(family)}
+        return {family for family in plain if self._depth(family, plain) < len(VARIABLES)}
+
+    def _depth(self, family: int, plain: set[int]) -> int:
+        """How many sequences a sequence stands in, if all of them are written in one."""
+        for outer, loop in self.book.loops.items():
+            if self.book.family.get(loop.part) == family:
+                return 1 + (self._depth(outer, plain) if outer in plain else 0)
+        return 0
 
     def _step_error(self, family: int, loop: Loop) -> float:
         return self._errors(family, loop.part, 1.0)[0] / max(1, len(loop.pattern.steps))
 
     def _loop_body(
-        self, family: int, loop: Loop, sizes: Sequence[int], limit: ast.Expr
+        self, family: int, loop: Loop, sizes: Sequence[int], limit: ast.Expr, variable: str
     ) -> tuple[ast.Element, ...]:
         pattern = loop.pattern
-        if self._is_centred(loop):
-            return (self._ring_copy(family, loop, sizes, limit),)
+        if pattern.kind == "polar":
+            return (self._polar_copy(family, loop, sizes, limit, variable),)
         if pattern.kind == "listed":
-            angle = shortest(pattern.base[0], self._errors(family, loop.part, 1.0)[1])
-            return (ast.Bracket((*turns(angle, 1.0), self._module(loop.part))),)
+            return (ast.Bracket(self._copy(family, loop, variable)),)
         if pattern.kind == "even":
-            return self._even_copy(family, loop, sizes[-1])
+            return self._even_copy(family, loop, sizes[-1], variable)
         error, radius = self._errors(family, loop.part, 1.0)[0], self.reach.radius[loop.part]
-        step = turtle_step(pattern, sizes[-1], error, radius)
-        return (ast.Bracket((self._module(loop.part),)), *step)
+        step = turtle_step(pattern, sizes[-1], error, radius, variable)
+        return (ast.Bracket(self._copy(family, loop, variable)), *step)
 
-    def _is_centred(self, loop: Loop) -> bool:
-        """Whether a loop is a ring about its own origin."""
-        centre = ring_centre(loop.pattern)
-        if centre is None:
-            return False
-        # Re-centring has moved the first copy away from the origin.
-        return not _is_identity(loop.where) or abs(centre) <= self.book.small
+    def _copy(self, family: int, loop: Loop, variable: str) -> tuple[ast.Element, ...]:
+        """What is repeated, in the frame that the pattern gives it."""
+        moves = self._moves(family, loop.part, loop.pattern.inside)
+        inner = self.book.family.get(loop.part)
+        if inner is not None and inner in self._nested:
+            return (*moves, self._loop(inner, VARIABLES[VARIABLES.index(variable) + 1]))
+        return (*moves, self._module(loop.part))
 
-    def _ring_copy(
-        self, family: int, loop: Loop, sizes: Sequence[int], limit: ast.Expr
+    def _polar_copy(
+        self, family: int, loop: Loop, sizes: Sequence[int], limit: ast.Expr, variable: str
     ) -> ast.Element:
         """`[+(360 / n * i) f(r) A]`."""
-        count = sizes[-1]
-        turn = loop.pattern.base[0] + loop.pattern.base[3]
-        size, error, _ = self._errors(family, loop.part, 1.0)
-        arm = abs(complex(loop.where.position[0])) + self.reach.radius[loop.part]
-        error = min(1e-4, float(np.rad2deg(size / max(arm, size)))) / count
+        count, turn = sizes[-1], loop.pattern.base[0]
+        errors = self._errors(family, loop.part, 1.0)
+        arm = float(np.abs(loop.pattern.radii(np.arange(count))).max())
+        arm = max(arm + self.reach.radius[loop.part], errors[0])
+        error = min(1e-4, float(np.rad2deg(errors[0] / arm))) / count
         closed = len(sizes) == 1 and abs(abs(turn) * count - 360) <= error * count
         angle: ast.Expr = number(turn, error)
         if closed:
             angle = ast.Binary("/", number(360.0 if turn > 0 else -360.0), limit)
-        elif isinstance(limit, ast.Name) and not isinstance(angle, ast.Number | ast.Unary):
-            angle = number(turn)
-        around = call("+", ast.Binary("*", angle, ast.Name("i")))
-        return ast.Bracket((around, *self._radial(family, loop), self._module(loop.part)))
+        around = ast.Binary("*", angle, ast.Name(variable))
+        place = polar_place(loop.pattern, count, errors, around, variable)
+        return ast.Bracket((*place, *self._copy(family, loop, variable)))
 
-    def _radial(self, family: int, loop: Loop) -> tuple[ast.Element, ...]:
-        place = loop.where
-        size, angle_error, scale_error = self._errors(family, loop.part, float(place.scale[0]))
-        ahead = abs(float(place.y[0])) <= size and float(place.x[0]) > size
-        if not ahead:
-            return self._moves(family, loop.part, place)
-        turned = turns(
-            shortest(float(place.angle[0]), angle_error),
-            shortest(float(place.scale[0]), scale_error),
-        )
-        hand = (ast.Module("mirror"),) if place.handedness[0] < 0 else ()
-        return (call("f", number(float(place.x[0]), size)), *turned, *hand)
-
-    def _even_copy(self, family: int, loop: Loop, count: int) -> tuple[ast.Element, ...]:
+    def _even_copy(
+        self, family: int, loop: Loop, count: int, variable: str
+    ) -> tuple[ast.Element, ...]:
         x, y, angle, growth = loop.pattern.base
         errors = self._errors(family, loop.part, 1.0)
         size, turn, factor = (error / count for error in errors)
-        copy = self._module(loop.part)
-        if abs(angle) > turn or abs(growth) > factor:
-            return (ast.Bracket((*even_place(loop.pattern, count, errors), copy)),)
+        copy = self._copy(family, loop, variable)
+        if abs(angle) > turn or abs(growth) > factor or not loop.pattern.constant:
+            place = even_place(loop.pattern, count, errors, variable)
+            return (ast.Bracket((*place, *copy)),)
         if abs(x) <= size and abs(y) <= size:
-            return (ast.Bracket((copy,)),)
-        return (ast.Bracket((copy,)), self._straight(family, x, y, size))
+            return (ast.Bracket(copy),)
+        return (ast.Bracket(copy), self._straight(family, x, y, size))
 
     def _straight(self, family: int, x: float, y: float, error: float) -> ast.Element:
         """The step of a row: ahead where it can be."""
@@ -355,7 +361,9 @@ class Builder:
 
     def _lift_step(self, family: int, loop: Loop, count: int, wish: str, part: str) -> None:
         x, y, angle, growth = loop.pattern.base
-        if loop.pattern.kind != "even" or abs(angle) > SMALL or abs(growth) > SMALL:
+        if loop.pattern.kind != "even" or not loop.pattern.constant:
+            return
+        if abs(angle) > SMALL or abs(growth) > SMALL:
             return
         size = self._errors(family, loop.part, 1.0)[0] / count
         room = ROOM * size
@@ -372,16 +380,6 @@ class Builder:
         return sum(
             int(self.book.size[part]) for part, own in self.book.family.items() if own == family
         )
-
-
-def _is_identity(place: Frames) -> bool:
-    return bool(
-        abs(place.x[0]) == 0
-        and abs(place.y[0]) == 0
-        and place.angle[0] == 0
-        and place.scale[0] == 1
-        and place.handedness[0] > 0
-    )
 
 
 def _lowered(name: str) -> str:

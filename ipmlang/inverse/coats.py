@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from ipmlang.formats.drawing import Style
 from ipmlang.formats.numbers import decimal_text
 from ipmlang.inverse.build import Painted
-from ipmlang.inverse.simplify import AXIOM, Book
+from ipmlang.inverse.simplify import Book
 from ipmlang.inverse.terminals import Terminal
 
 LEAST = 12  # styles of one shape before its assets are merged
@@ -22,7 +22,9 @@ OFTEN = 3  # copies of one style, on average, that make it worth an asset of its
 def merged_styles(book: Book, terminals: Sequence[Terminal]) -> dict[int, Painted]:
     """Terminals by number that the asset of another one, or their own, draws with declarations."""
     free = _only_in_axiom(book)
-    often = Counter(book.bodies[AXIOM].parts.tolist())
+    often = Counter(
+        part for rule in book.written_once() for part in book.bodies[rule].parts.tolist()
+    )
     groups: dict[tuple[int, frozenset[str]], list[int]] = {}
     for number, terminal in enumerate(terminals):
         if number in free and _is_plain(terminal):
@@ -39,10 +41,11 @@ def merged_styles(book: Book, terminals: Sequence[Terminal]) -> dict[int, Painte
 
 
 def _only_in_axiom(book: Book) -> set[int]:
-    """Symbols that the axiom alone names."""
-    inner = {part for rule, body in book.bodies.items() if rule != AXIOM for part in body.parts}
+    """Symbols that the axiom alone names, or groups written out in it."""
+    once = book.written_once()
+    inner = {part for rule, body in book.bodies.items() if rule not in once for part in body.parts}
     inner |= {loop.part for loop in book.loops.values()}
-    return set(book.bodies[AXIOM].parts.tolist()) - {int(part) for part in inner}
+    return {int(part) for rule in once for part in book.bodies[rule].parts} - inner
 
 
 def _is_plain(terminal: Terminal) -> bool:

@@ -158,38 +158,55 @@ def _ends_apart(left: Segments, right: Segments) -> float:
 
 def _one_way(left: Segments, right: Segments) -> float:
     """Largest distance of points along `left` from the curve `right`."""
-    from scipy.spatial import cKDTree
+    points = evaluate(*left, np.linspace(0.0, 1.0, ALONG + 1)).ravel()
+    return float(np.abs(Locus(right).closest(points)[0] - points).max())
 
-    kind, points = right
-    points_left = evaluate(*left, np.linspace(0.0, 1.0, ALONG + 1)).ravel()
-    at = np.linspace(0.0, 1.0, ALONG + 1)
-    along = evaluate(kind, points, at)
-    tree = cKDTree(np.stack([along.real.ravel(), along.imag.ravel()], axis=1))
-    near = min(6, along.size)
-    query = np.stack([points_left.real, points_left.imag], axis=1)
-    found, number = tree.query(query, k=near)
-    distance = np.asarray(found).reshape(len(query), near)
-    # Distances that overflow come without a neighbour, as the number past the end.
-    index = np.minimum(np.asarray(number), along.size - 1).reshape(len(query), near)
-    segment, step = np.divmod(index.ravel(), len(at))
-    target = np.repeat(points_left, near)
-    refined = _refined(kind[segment], points[segment], at[step], target)
-    best = np.minimum(distance, refined.reshape(distance.shape)).min(axis=1)
-    return float(best.max())
+
+class Locus:
+    """A curve to which points are near or far."""
+
+    def __init__(self, curve: Segments) -> None:
+        from scipy.spatial import cKDTree
+
+        self.kind, self.points = curve
+        self.at = np.linspace(0.0, 1.0, ALONG + 1)
+        self.along = evaluate(self.kind, self.points, self.at).ravel()
+        self.tree = cKDTree(np.stack([self.along.real, self.along.imag], axis=1))
+
+    def closest(
+        self, targets: Complexes, near: int = 6, steps: int = 8
+    ) -> tuple[Complexes, Complexes]:
+        """(K,) the point of the curve nearest to each of K targets, and the derivative there; found
+        from so many points near each target in so many steps.
+        """
+        near = min(near, self.along.size)
+        _, number = self.tree.query(np.stack([targets.real, targets.imag], axis=1), k=near)
+        # Distances that overflow come without a neighbour, as the number past the end.
+        index = np.minimum(np.asarray(number), self.along.size - 1).ravel()
+        segment, step = np.divmod(index, len(self.at))
+        kind, points, wanted = self.kind[segment], self.points[segment], np.repeat(targets, near)
+        place = _refined(kind, points, self.at[step], wanted, steps)
+        found, start = evaluate(kind, points, place[:, None])[:, 0], self.along[index]
+        # A step of refinement may lead away from where the search began.
+        worse = np.abs(start - wanted) < np.abs(found - wanted)
+        place, found = np.where(worse, self.at[step], place), np.where(worse, start, found)
+        best = np.argmin(np.abs(found - wanted).reshape(-1, near), axis=1)
+        best = np.arange(len(targets)) * near + best
+        return found[best], derivative(kind[best], points[best], place[best])
 
 
 def _refined(
-    kind: NDArray[np.uint8], points: Complexes, start: Floats, target: Complexes
+    kind: NDArray[np.uint8], points: Complexes, start: Floats, target: Complexes, steps: int
 ) -> Floats:
-    """(K,) distances of targets from segments near parameters, by Gauss-Newton."""
+    """(K,) parameters of the points of segments nearest to targets, by Gauss-Newton."""
     t = start
-    for _ in range(8):
+    for _ in range(steps):
         here = evaluate(kind, points, t[:, None])[:, 0]
         slope = derivative(kind, points, t)
         length = np.abs(slope) ** 2
         step = ((here - target) * np.conj(slope)).real / np.maximum(length, 1e-300)
         t = np.clip(t - np.where(length > 0, step, 0.0), 0.0, 1.0)
-    return np.abs(evaluate(kind, points, t[:, None])[:, 0] - target)
+    return t
 
 
 def derivative(kind: NDArray[np.uint8], points: Complexes, at: Floats) -> Complexes:

@@ -16,7 +16,7 @@ from ipmlang.compiler import ast
 from ipmlang.formats.drawing import Effect
 from ipmlang.formats.svg import table_xml
 from ipmlang.formats.svg.parts import write_parts
-from ipmlang.inverse.build import Builder, Painted, Wrap
+from ipmlang.inverse.build import Builder, Painted
 from ipmlang.inverse.coats import merged_styles
 from ipmlang.inverse.lsystem.patterns import Pattern
 from ipmlang.inverse.naming import (
@@ -32,7 +32,7 @@ from ipmlang.inverse.observation import Observation
 from ipmlang.inverse.reach import measure
 from ipmlang.inverse.score import SMALL
 from ipmlang.inverse.simplify import AXIOM, Book
-from ipmlang.inverse.terminals import Instanced, asset_element, effect_in_parts
+from ipmlang.inverse.terminals import Instanced, asset_element
 
 INLINE_ROWS = 24  # a longer table goes to the parts file
 SHARE = 1e-8  # of the diagonal: what one rounded number may move a point by
@@ -40,7 +40,7 @@ SHARE = 1e-8  # of the diagonal: what one rounded number may move a point by
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Written:
-    """The tree, what prints the parts file, and how many tokens stand in that file's tables."""
+    """The tree, what prints the parts file, and how many cells that file's tables have."""
 
     grammar: ast.Grammar
     parts: Callable[[], str]
@@ -65,69 +65,76 @@ def write_grammar(book: Book, subject: Subject) -> Written:
     terminals = subject.instanced.terminals
     painted = merged_styles(book, terminals)
     named = _names(book, subject, names, painted)
-    wraps, stacks = _wraps(book, subject, names)
-    radius = {k: float(subject.instanced.alphabet[k].radius) for k in range(len(terminals))}
+    effects, shown_effects = _effects(book, subject, names)
+    alphabet = subject.instanced.alphabet
+    radius = {k: float(alphabet[k].radius) for k in (*range(len(terminals)), *book.anchored)}
     reach = measure(book, radius, subject.share * subject.observed.diagonal)
-    builder = Builder(book, reach, named, wraps, names, axiom, painted, subject.use_tables)
+    builder = Builder(book, reach, named, effects, names, axiom, painted, subject.use_tables)
     rules = builder.rules()
-    tables, stored, cells = _stored(builder.tables, subject)
-    items: list[ast.Item] = [ast.Version(1), *_canvas(subject.observed)]
+    tables, stored, cells = stored_tables(builder.tables, subject)
+    items: list[ast.Item] = [ast.Version(1), *canvas(subject.observed)]
     assets = [number for number in named if number < len(terminals)]
     if assets:
-        items.append(ast.Asset(tuple(named[k] for k in assets), _file(subject), True))
+        items.append(ast.Asset(tuple(named[k] for k in assets), parts_file(subject), True))
     items += tables
     items += builder.attributes
-    items += [_spaced(rule, first=k == 0) for k, rule in enumerate(rules)]
-    items.append(ast.Start((ast.Module(axiom),)))
+    rules, begin = _started(rules)
+    items += [spaced(rule, first=k == 0) for k, rule in enumerate(rules)]
+    items.append(ast.Start(begin))
 
     def parts() -> str:
         shown = {named[k]: [asset_element(terminals[k], book.assets.get(k))] for k in assets}
-        return write_parts(shown, effects=stacks, tables=stored)
+        return write_parts(shown, effects=shown_effects, tables=stored)
 
     return Written(ast.Grammar(tuple(items)), parts, cells)
 
 
-def _spaced(rule: ast.Rule, first: bool) -> ast.Rule:
+def _started(rules: list[ast.Rule]) -> tuple[list[ast.Rule], tuple[ast.Element, ...]]:
+    """The rules and what to start with: the first rule, or what alone stands in it."""
+    match rules[0].body:
+        case (ast.Bracket((*moves, ast.Module() as only)),) if len(rules) > 1:
+            return rules[1:], (*moves, only)
+        case (ast.Module() as only,) if len(rules) > 1:
+            return rules[1:], (only,)
+    return rules, (ast.Module(rules[0].head.name),)
+
+
+def spaced(rule: ast.Rule, first: bool) -> ast.Rule:
+    """A rule, with a blank line before the first one."""
     return replace(rule, blank_before=first)
 
 
-def _file(subject: Subject) -> str:
+def parts_file(subject: Subject) -> str:
+    """The name of the file with terminals and tables."""
     return f"{subject.stem}.parts.svg"
 
 
-def _canvas(observed: Observation) -> list[ast.Item]:
+def canvas(observed: Observation) -> list[ast.Item]:
+    """The page of the drawing, if it has one."""
     if observed.box is None:
         return []
     box = tuple(literal(value) for value in observed.box)
     return [ast.Canvas(box, observed.drawing.width, observed.drawing.height)]
 
 
-def _wraps(
+def _effects(
     book: Book, subject: Subject, names: Names
-) -> tuple[list[Wrap], dict[str, tuple[str | None, Effect]]]:
-    """The reference of every stack of effects, and the effects by id with what they stand in."""
-    wraps: list[Wrap] = []
-    groups: dict[str, tuple[str | None, Effect]] = {}
-    known: dict[tuple[str, ...], str] = {}
-    used = set(book.wrap.tolist())
-    observed = subject.observed
-    for number, stack in enumerate(subject.instanced.effects):
-        if not stack or number not in used:
-            wraps.append(Wrap(()))
-            continue
-        for depth in range(1, len(stack) + 1):
-            inner = stack[:depth]
-            if inner not in known:
-                known[inner] = names.give("group")
-                outer = known.get(inner[:-1])
-                effect = effect_in_parts(observed.drawing, inner[-1], observed.flip)
-                groups[known[inner]] = (outer, effect)
-        wraps.append(Wrap((f"{_file(subject)}#{known[stack]}",)))
-    return wraps, groups
+) -> tuple[dict[int, str], dict[str, tuple[str | None, Effect]]]:
+    """The reference of each group's effect, and the effects by their ids in the parts file."""
+    named: dict[int, str] = {}
+    shown: dict[str, tuple[str | None, Effect]] = {}
+    for number in dict.fromkeys(book.effects[rule] for rule in sorted(book.effects)):
+        kind = subject.instanced.effects[number]
+        named[number] = names.give(kind.word)
+        shown[named[number]] = (None, kind.effect)
+    references = {
+        rule: f"{parts_file(subject)}#{named[number]}" for rule, number in book.effects.items()
+    }
+    return references, shown
 
 
-def _stored(tables: Sequence[ast.Table], subject: Subject) -> tuple[list[ast.Item], list[str], int]:
-    """Short tables stand in the grammar, long ones in the parts file; the tokens of the latter."""
+def stored_tables(tables: Sequence[ast.Table], subject: Subject) -> tuple[list[ast.Item], list[str], int]:
+    """Short tables stand in the grammar, long ones in the parts file; the cells of the latter."""
     items: list[ast.Item] = []
     stored: list[str] = []
     cells = 0
@@ -137,10 +144,8 @@ def _stored(tables: Sequence[ast.Table], subject: Subject) -> tuple[list[ast.Ite
             continue
         rows = [[_value(cell) for cell in row] for row in table.rows]
         stored.append(table_xml(table.name, table.columns, rows))
-        items.append(ast.Table(table.name, f"{_file(subject)}#{table.name}"))
-        cells += sum(
-            2 + len(row) + sum(str(value).startswith("-") for value in row) for row in rows
-        )
+        items.append(ast.Table(table.name, f"{parts_file(subject)}#{table.name}"))
+        cells += sum(len(row) for row in rows)
     return items, stored, cells
 
 
@@ -176,7 +181,8 @@ def _names(
         named[number] = names.give(
             hint[number] if hint[number] and often[hint[number]] == 1 else shape
         )
-    rules = [rule for rule in (*book.bodies, *book.loops) if rule != AXIOM]
+    written = book.inlined() | {AXIOM}
+    rules = [rule for rule in (*book.bodies, *book.loops) if rule not in written]
     for rule in sorted(rules):
         if rule in book.loops:
             loop = book.loops[rule]
@@ -184,9 +190,10 @@ def _names(
             nested = inner in book.loops and book.loops[inner].pattern.kind == "even"
             wish = _loop_word(named[inner], loop.pattern, nested)
         else:
-            size = subject.instanced.alphabet[rule].size
-            row = rows[rule]
-            wish = capital(shared_hint(sources[row : row + size], above)) or "Motif"
+            row, size = rows[rule], subject.instanced.alphabet[rule].drawn
+            effect = book.effects.get(rule, -1)
+            word = capital(subject.instanced.effects[effect].word) if effect >= 0 else "Motif"
+            wish = capital(shared_hint(sources[row : row + size], above)) or word
         named[rule] = names.give(wish)
     return named
 
@@ -201,7 +208,8 @@ def _first_rows(instanced: Instanced) -> dict[int, int]:
         symbol, row = waiting.pop()
         if symbol in known:
             continue
-        known[symbol] = row
+        known[symbol] = int(instanced.element[row])
+        row += alphabet[symbol].anchored
         for part in alphabet[symbol].parts.tolist():
             waiting.append((part, row))
             row += alphabet[part].size
@@ -213,6 +221,8 @@ def _loop_word(part: str, pattern: Pattern, nested: bool) -> str:
     x, y, angle, growth = pattern.base
     if pattern.kind == "listed":
         return _short(part, "Row")
+    if pattern.kind == "polar":
+        return _short(part, "Ring" if abs(pattern.base[2]) <= SMALL else "Spiral")
     if pattern.kind == "even":
         upright = abs(angle) <= SMALL and abs(growth) <= SMALL
         if nested and upright:
@@ -220,9 +230,7 @@ def _loop_word(part: str, pattern: Pattern, nested: bool) -> str:
         if abs(x) <= SMALL and abs(y) <= SMALL:
             return _short(part, "Stack")
         return _short(part, "Column" if abs(x) < abs(y) else "Row")
-    if not pattern.constant or abs(pattern.base[2] - 1) > SMALL:
-        return _short(part, "Spiral")
-    return _short(part, "Zigzag" if pattern.mirrored else "Ring")
+    return _short(part, "Zigzag" if pattern.mirrored else "Spiral")
 
 
 def _short(part: str, kind: str) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ipmlang.compiler import ast
 from ipmlang.inverse.lsystem.patterns import Pattern
-from ipmlang.inverse.numbers import linear
+from ipmlang.inverse.numbers import linear, number, quadratic
 
 
 def call(name: str, *args: ast.Expr) -> ast.Module:
@@ -29,7 +29,7 @@ def turns(angle: float, scale: float) -> tuple[ast.Element, ...]:
 
 
 def turtle_step(
-    pattern: Pattern, count: int, error: float, radius: float
+    pattern: Pattern, count: int, error: float, radius: float, variable: str
 ) -> tuple[ast.Element, ...]:
     """`+(α) f(d) *(s) +(β)` with t(m) = t0 + tΔ·m (section 5.1 of the paper).
 
@@ -41,7 +41,7 @@ def turtle_step(
     factor = share / max(reach * count, share)
     errors = (float(np.rad2deg(factor)), share, factor, float(np.rad2deg(factor)))
     terms = zip(pattern.base, pattern.delta, errors, strict=True)
-    values = [linear(first, slope, "i", (each, each / count)) for first, slope, each in terms]
+    values = [linear(first, slope, variable, (each, each / count)) for first, slope, each in terms]
     named = zip(("+", "f", "*", "+"), values, (0.0, 0.0, 1.0, 0.0), strict=True)
     made = [
         call(name, value)
@@ -52,17 +52,49 @@ def turtle_step(
 
 
 def even_place(
-    pattern: Pattern, count: int, errors: tuple[float, float, float]
+    pattern: Pattern, count: int, errors: tuple[float, float, float], variable: str
 ) -> tuple[ast.Element, ...]:
     """`at(x * i, y * i, a * i, 1 + s * i)`, what is nothing left out; errors of distances, angles
     (degrees) and factors that the last of `count` copies may have.
     """
-    x, y, angle, growth = pattern.base
+    (x, y, angle, growth), (x2, y2, angle2, growth2) = pattern.base, pattern.delta
     size, turn, factor = (error / count for error in errors)
-    turned = linear(0.0, angle, "i", (0.0, turn))
-    scaled = linear(1.0, growth, "i", (0.0, factor))
-    if abs(x) > size or abs(y) > size:
-        arguments = [*(linear(0.0, each, "i", (0.0, size)) for each in (x, y)), turned]
-        return (call("at", *arguments, *([scaled] if abs(growth) > factor else [])),)
-    around = (call("+", turned),) if abs(angle) > turn else ()
-    return (*around, call("*", scaled)) if abs(growth) > factor else around
+    turned = quadratic(angle, angle2, variable, (turn, turn / count))
+    scaled = quadratic(growth, growth2, variable, (factor, factor / count))
+    still = abs(angle) <= turn and abs(angle2) <= turn / count
+    same = abs(growth) <= factor and abs(growth2) <= factor / count
+    scaled = ast.Binary("+", ast.Number(1.0), scaled)
+    if not growth2:
+        scaled = linear(1.0, growth, variable, (0.0, factor))
+    if any(abs(each) > size for each in (x, y)) or any(abs(e) > size / count for e in (x2, y2)):
+        pairs = ((x, x2), (y, y2))
+        arguments = [quadratic(*each, variable, (size, size / count)) for each in pairs]
+        arguments += [turned] if not (still and same) else []
+        return (call("at", *arguments, *([] if same else [scaled])),)
+    around = () if still else (call("+", turned),)
+    return around if same else (*around, call("*", scaled))
+
+
+def polar_place(
+    pattern: Pattern,
+    count: int,
+    errors: tuple[float, float, float],
+    around: ast.Expr,
+    variable: str,
+) -> tuple[ast.Element, ...]:
+    """`+(around) f(radius) *(1 + s * i)`, what is nothing left out; errors as above."""
+    _, radius, change, growth = pattern.base
+    size, _, factor = errors
+    made: list[ast.Element] = [call("+", around)]
+    if pattern.rooted:
+        index: ast.Expr = linear(change, 1.0, variable, (1e-6, 0.0))
+        share = size / float(np.sqrt(count + abs(change)))
+        root = ast.Call("sqrt", (ast.Argument(index),))
+        made.append(call("f", ast.Binary("*", number(radius, share), root)))
+    elif abs(radius) > size or abs(change) * count > size:
+        made.append(call("f", linear(radius, change, variable, (size, size / count))))
+    if pattern.upright:
+        made.append(call("-", around))
+    if abs(growth) * count > factor:
+        made.append(call("*", linear(1.0, growth, variable, (0.0, factor / count))))
+    return tuple(made)

@@ -54,3 +54,18 @@ def linear(first: float, slope: float, variable: str, errors: tuple[float, float
             return ast.Binary("*", number(step), name)
         return ast.Unary("-", name)
     return ast.Binary("+" if step > 0 else "-", number(start), term)
+
+
+def quadratic(
+    slope: float, second: float, variable: str, errors: tuple[float, float]
+) -> ast.Expr:
+    """`slope * variable + second * variable * variable`, parts that are nothing left out."""
+    bend = shortest(second, errors[1])
+    if bend == 0:
+        return linear(0.0, slope, variable, (0.0, errors[0]))
+    name = ast.Name(variable)
+    step = shortest(slope, errors[0])
+    square = ast.Binary("*", ast.Binary("*", number(abs(bend) if step else bend), name), name)
+    if step == 0:
+        return square
+    return ast.Binary("+" if bend > 0 else "-", linear(0.0, step, variable, (0.0, 0.0)), square)

@@ -18,6 +18,8 @@ from ipmlang.formats.drawing import Drawing, Floats, Fragment, Outline, Style
 from ipmlang.inverse.lsystem.curves import Curves, diagonal_of, evaluate, stack
 from ipmlang.inverse.lsystem.elements import Found, Kind, group_elements
 from ipmlang.inverse.lsystem.frames import Frames, identity, join
+from ipmlang.inverse.lsystem.resemblance import merge_similar
+from ipmlang.inverse.lsystem.rewriting import merge_rewritten
 from ipmlang.inverse.lsystem.symmetry import Symmetry, trivial
 
 TOLERANCE = 2e-7  # of the diagonal: what instancing may move a point by, see `observe`
@@ -64,7 +66,8 @@ class Observation:
     box: (x, y, width, height), the same numbers as the viewBox, None if there is none; flip: c of
     y_model = c - y_svg; diagonal: of the box, else of what is drawn, never 0; precision: decimals
     that write every coordinate of the input exactly, 17 if there is no such number below 10;
-    tolerance: units, the bound on `error`; drawing: what was read.
+    tolerance: units, the bound on `error` unless similar shapes were asked for; drawing: what was
+    read.
     """
 
     shape: NDArray[np.int32]
@@ -86,11 +89,13 @@ class Observation:
         return len(self.shape)
 
 
-def observe(drawing: Drawing, tolerance: float = TOLERANCE) -> Observation:
+def observe(drawing: Drawing, tolerance: float = TOLERANCE, similarity: float = 1.0) -> Observation:
     """The drawing as placed copies of shape classes.
 
     tolerance: share of the diagonal that a placed representative may be off its element. The
     default leaves most of the promised 1e-6 to what is built on the classes.
+    similarity: 1 makes elements one class only within the tolerance; less (the paper uses 0.6) also
+    where they are so similar, see `lsystem.similarity`, and `error` says how far off they are.
 
     >>> observe(Drawing(())).precision
     0
@@ -104,6 +109,9 @@ def observe(drawing: Drawing, tolerance: float = TOLERANCE) -> Observation:
     dashed = np.array([bool(each.dashes) for each in styles], np.bool_)[style]
     decimals = _precision(curves)
     found = group_elements(outlines, curves, dashed[drawn], tolerance * diagonal, decimals)
+    found = merge_rewritten(found, tolerance * diagonal)
+    if similarity < 1:
+        found = merge_similar(found, similarity)
     rows = np.array(drawn, np.int64)
     classes = _fragments(drawing) + [_class(each, rows) for each in found]
     classes.sort(key=lambda each: int(each[0].members[0]))

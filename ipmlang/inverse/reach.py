@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipmlang.inverse.lsystem.frames import compose
 from ipmlang.inverse.simplify import AXIOM, Book
 
 
@@ -26,7 +25,9 @@ class Reach:
 
 
 def measure(book: Book, radius: dict[int, float], error: float) -> Reach:
-    """How far each rule's numbers carry, from the axiom down and from the terminals up."""
+    """How far each rule's numbers carry, from the axiom down and from the terminals up. radius: of
+    terminals, and of groups whose effect reaches further than what they draw.
+    """
     extent: dict[int, float] = {}
 
     def reach_of(symbol: int) -> float:
@@ -34,16 +35,19 @@ def measure(book: Book, radius: dict[int, float], error: float) -> Reach:
             return extent[symbol]
         if symbol in book.family:
             loop = book.loops[book.family[symbol]]
-            places = compose(loop.where, loop.pattern.places(book.count[symbol]))
+            places = loop.pattern.places(book.count[symbol])
             inner = reach_of(loop.part)
             value = float(np.max(np.abs(places.position) + places.scale * inner))
         elif symbol in book.bodies:
             body = book.bodies[symbol]
             inner_radius = np.array([reach_of(part) for part in body.parts.tolist()])
             value = float(np.max(np.abs(body.places.position) + body.places.scale * inner_radius))
+            value = max(value, radius.get(symbol, 0.0))
         else:
             moved = book.assets.get(symbol)
-            value = radius[symbol] + (abs(complex(moved.position[0])) if moved is not None else 0.0)
+            value = radius[symbol]
+            if moved is not None:
+                value = value * float(moved.scale[0]) + abs(complex(moved.position[0]))
         extent[symbol] = value
         return value
 
@@ -67,7 +71,7 @@ def _inside(book: Book, rule: int) -> list[tuple[int, float]]:
         loop = book.loops[rule]
         counts = [book.count[part] for part, own in book.family.items() if own == rule]
         places = loop.pattern.places(max(counts))
-        return [(loop.part, float(places.scale.max() * loop.where.scale[0]))]
+        return [(loop.part, float(places.scale.max()))]
     body = book.bodies[rule]
     largest: dict[int, float] = {}
     for part, scale in zip(body.parts.tolist(), body.places.scale.tolist(), strict=True):

@@ -47,14 +47,20 @@ def _sized(value: NDArray[np.float64], small: float) -> Integers:
 def sequence_tokens(pattern: Pattern) -> int:
     """Tokens of the body that makes a sequence, without its rule's head."""
     base, delta = pattern.base, pattern.delta
+    inside = 4 * (abs(pattern.rest) > SMALL) + 6 * (pattern.inner != 0)
+    more = 4 * sum(value != 0.0 for value in delta) + inside
     if pattern.kind == "even":
         steps = sum(abs(value) > SMALL for value in base)
-        return LOOP + 3 + 4 + 2 * steps
+        return LOOP + 3 + 4 + 2 * steps + more
     if pattern.kind == "listed":
-        return LOOP + 6 + len(pattern.steps) + 4 * (abs(base[0]) > SMALL)
+        return LOOP + 6 + len(pattern.steps) + more
+    if pattern.kind == "polar":
+        further = abs(base[2]) > SMALL or pattern.rooted
+        growing = 8 * (abs(base[3]) > SMALL)
+        return LOOP + 3 + 6 + 4 + 4 * further + growing + 4 * pattern.upright + more
     neutral = (0.0, 0.0, 1.0, 0.0)
     used = sum(
         abs(t0 - rest) > SMALL or t1 != 0.0
         for t0, t1, rest in zip(base, delta, neutral, strict=True)
     )
-    return LOOP + 3 + 4 * used + 4 * sum(value != 0.0 for value in delta) + pattern.mirrored
+    return LOOP + 3 + 4 * used + more + pattern.mirrored

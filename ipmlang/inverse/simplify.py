@@ -25,7 +25,7 @@ from ipmlang.inverse.lsystem.frames import (
 )
 from ipmlang.inverse.lsystem.patterns import Pattern
 from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers
-from ipmlang.inverse.score import COUNTED, HEAD, SMALL, placement_tokens
+from ipmlang.inverse.score import COUNTED, HEAD, placement_tokens
 
 AXIOM = -1
 LEAST = 6  # tokens that a group must save to be worth a name
@@ -41,31 +41,30 @@ class Body:
 
 @dataclass(slots=True, eq=False)
 class Loop:
-    """A sequence's rule: copies of `part` by a pattern; where[0] is the frame of the first copy,
-    the identity until the rule is re-centred on a ring's middle.
-    """
+    """A sequence's rule: copies of `part` by a pattern."""
 
     part: int
     pattern: Pattern
-    where: Frames
 
 
 @dataclass(slots=True, eq=False)
 class Book:
     """All rules that are left. bodies: by group symbol, AXIOM for the axiom; loops: by family;
-    family, count: of every symbol that is a sequence; wrap: effects of the axiom's rows; size: of
-    every symbol, in elements; small: units, what is printed as 0; assets: where a terminal's
-    representative lies in its asset, the identity where none is given.
+    family, count: of every symbol that is a sequence; size: of every symbol, in elements; small:
+    units, what is printed as 0; assets: where a terminal's representative lies in its asset, the
+    identity where none is given; effects: the class of the effect that wraps a group's body;
+    anchored: groups whose effect lies somewhere, at their own frame.
     """
 
     bodies: dict[int, Body]
     loops: dict[int, Loop]
     family: dict[int, int]
     count: dict[int, int]
-    wrap: Integers
     size: Integers
     small: float
     assets: dict[int, Frames] = field(default_factory=dict)
+    effects: dict[int, int] = field(default_factory=dict)
+    anchored: set[int] = field(default_factory=set)
 
     def uses(self) -> Counter[int]:
         """How often each rule or terminal is named (sequences by family)."""
@@ -75,6 +74,23 @@ class Book:
         found.update(self.family.get(loop.part, loop.part) for loop in self.loops.values())
         return found
 
+    def inlined(self) -> set[int]:
+        """Groups under an effect that one body names once: they are written where they stand."""
+        used = self.uses()
+        named = {int(part) for body in self.bodies.values() for part in body.parts}
+        return {rule for rule in self.effects if used[rule] == 1 and rule in named}
+
+    def written_once(self) -> set[int]:
+        """The axiom, and the groups under an effect that are written out in it."""
+        once = {AXIOM}
+        waiting = [AXIOM]
+        inlined = self.inlined()
+        while waiting:
+            inside = inlined & set(self.bodies[waiting.pop()].parts.tolist())
+            once |= inside
+            waiting += inside
+        return once
+
     def drop_unused(self) -> None:
         """Forget rules that nothing names any more."""
         while True:
@@ -83,6 +99,7 @@ class Book:
             idle = [rule for rule in self.loops if not used[rule]]
             for rule in dead:
                 del self.bodies[rule]
+                self.effects.pop(rule, None)
             for rule in idle:
                 del self.loops[rule]
             if not dead and not idle:
@@ -96,8 +113,7 @@ def make_book(alphabet: Alphabet, string: Arrangement) -> Book:
         {},
         {},
         {},
-        string.wrap,
-        np.array([each.size for each in alphabet.definitions], np.int64),
+        np.array([each.drawn for each in alphabet.definitions], np.int64),
         alphabet.tolerance / 30,
     )
     waiting = np.unique(string.symbol).tolist()
@@ -110,24 +126,17 @@ def make_book(alphabet: Alphabet, string: Arrangement) -> Book:
             book.family[symbol] = definition.family
             book.count[symbol] = len(definition.parts)
             part = int(definition.parts[0])
-            loop = Loop(part, _plain(definition.pattern), identity(1))
+            loop = Loop(part, definition.pattern)
             book.loops.setdefault(definition.family, loop)
             waiting.append(part)
         else:
             book.bodies[symbol] = Body(definition.parts, definition.places)
+            if definition.effect >= 0:
+                book.effects[symbol] = definition.effect
+            if definition.anchored:
+                book.anchored.add(symbol)
             waiting += np.unique(definition.parts).tolist()
     return book
-
-
-def _plain(pattern: Pattern) -> Pattern:
-    """A turtle that neither turns nor grows goes in even steps."""
-    alpha, distance, scale, beta = pattern.base
-    straight = abs(alpha + beta) <= SMALL and abs(scale - 1) <= SMALL
-    if pattern.kind != "turtle" or pattern.mirrored or not pattern.constant or not straight:
-        return pattern
-    step = frames(np.array([distance + 0j]))
-    turned = compose(frames(np.zeros(1, np.complex128), alpha), step)
-    return Pattern("even", (float(turned.x[0]), float(turned.y[0]), 0.0, 0.0))
 
 
 def drop_poor_rules(book: Book) -> None:
@@ -139,8 +148,7 @@ def drop_poor_rules(book: Book) -> None:
 
 
 def recentre(book: Book) -> None:
-    """Give rings, and groups that are turned about a point, that point as their origin."""
-    _recentre_rings(book)
+    """Give groups that are turned about a point that point as their origin."""
     _recentre_groups(book)
 
 
@@ -149,6 +157,7 @@ def _merge_single(book: Book) -> None:
     used = book.uses()
     named = {part for body in book.bodies.values() for part in body.parts.tolist()}
     single = {rule for rule in book.bodies if used[rule] == 1 and rule in named}
+    single -= book.effects.keys()
     if not single:
         return
 
@@ -178,7 +187,6 @@ def _spread(book: Book, name: int, inner: Callable[[int], Body | None]) -> None:
     body = book.bodies[name]
     parts: list[Integers] = []
     places: list[Frames] = []
-    wraps: list[Integers] = []
     for index, part in enumerate(body.parts.tolist()):
         outer = body.places[index : index + 1]
         group = inner(part)
@@ -186,29 +194,33 @@ def _spread(book: Book, name: int, inner: Callable[[int], Body | None]) -> None:
             group = Body(np.array([part], np.int64), identity(1))
         parts.append(group.parts)
         places.append(compose(outer, group.places))
-        if name == AXIOM:
-            wraps.append(np.repeat(book.wrap[index], len(group.parts)))
     book.bodies[name] = Body(np.concatenate(parts), join(places))
-    if name == AXIOM:
-        book.wrap = np.concatenate(wraps)
 
 
 def _drop_poor(book: Book) -> bool:
-    """Write out the group whose rule costs most more than it saves; whether there was one."""
+    """Write out the groups whose rules cost more than they save, the worst first, as long as none
+    is changed by another one's end; whether there was one.
+    """
+    used = book.uses()
     costs = {
         rule: cost
-        for rule in book.bodies
-        if rule != AXIOM and (cost := _excess(book, rule)) is not None and cost > -LEAST
+        for rule in book.bodies.keys() - book.effects.keys()
+        if rule != AXIOM and (cost := _excess(book, rule, used)) is not None and cost > -LEAST
     }
-    if not costs:
-        return False
-    worst = max(costs, key=lambda rule: (costs[rule], -rule))
-    _inline(book, worst)
-    book.drop_unused()
-    return True
+    touched: set[int] = set()
+    for rule in sorted(costs, key=lambda each: (-costs[each], each)):
+        users = {name for name, body in book.bodies.items() if (body.parts == rule).any()}
+        parts = set(book.bodies[rule].parts.tolist())
+        if rule in touched:
+            continue
+        touched |= users | parts | {rule}
+        _inline(book, rule)
+    if costs:
+        book.drop_unused()
+    return bool(costs)
 
 
-def _excess(book: Book, rule: int) -> int | None:
+def _excess(book: Book, rule: int, used: Counter[int]) -> int | None:
     """Tokens that a group's rule adds (negative: saves); None where a loop needs it."""
     if any(loop.part == rule for loop in book.loops.values()):
         return None
@@ -222,7 +234,7 @@ def _excess(book: Book, rule: int) -> int | None:
             every = compose(body.places[rows][:, None], inner.places)
             without += int(placement_tokens(every, book.small).sum())
     counted = sum(COUNTED for part in inner.parts.tolist() if part in book.family)
-    return with_rule - without - counted * (int(book.uses()[rule]) - 1)
+    return with_rule - without - counted * (used[rule] - 1)
 
 
 # ------------------------------------------------------------------------ frames
@@ -231,17 +243,17 @@ def _excess(book: Book, rule: int) -> int | None:
 def regauge(book: Book, rule: int, change: Frames) -> None:
     """Give a symbol another frame: it is drawn the same, and every place of it takes `change`.
 
-    A loop that repeats the symbol takes the same change, so that its first copy stays at `where`.
+    The pattern of a sequence that is given another frame is for the caller to change.
     """
     back = inverse(change)
     if rule in book.bodies:
         body = book.bodies[rule]
         book.bodies[rule] = Body(body.parts, compose(back, body.places))
-    elif rule in book.loops:
-        loop = book.loops[rule]
-        loop.where = compose(back, loop.where)
-    else:
+    elif rule not in book.loops:
         book.assets[rule] = compose(back, book.assets.get(rule, identity(1)))
+    for loop in book.loops.values():
+        if book.family.get(loop.part, loop.part) == rule and rule not in book.loops:
+            loop.pattern = loop.pattern.about(compose(loop.pattern.inside, change))
     for name, body in book.bodies.items():
         rows = naming(book, body, rule)
         if rows.any():
@@ -260,43 +272,6 @@ def in_loop(book: Book, rule: int) -> bool:
     return any(book.family.get(loop.part, loop.part) == rule for loop in book.loops.values())
 
 
-def ring_centre(pattern: Pattern) -> complex | None:
-    """The fixed point of a constant turning step in the first copy's frame, None if it has none."""
-    alpha, _, scale, beta = pattern.base
-    turn = alpha + beta
-    if pattern.kind != "turtle" or not pattern.constant or pattern.mirrored:
-        return None
-    if abs(scale - 1) > SMALL or abs(turn) <= SMALL:
-        return None
-    step = pattern.places(2)
-    return complex(step.position[1] / (1 - step.factor[1]))
-
-
-def _recentre_rings(book: Book) -> None:
-    """A ring's frame goes to its centre, turned so that the first copy lies ahead where that makes
-    its places shorter.
-    """
-    for family, loop in book.loops.items():
-        centre = ring_centre(loop.pattern)
-        if centre is None or in_loop(book, family):
-            continue
-        ahead = float(np.angle(-centre, deg=True)) if abs(centre) > book.small else 0.0
-        options = [frames(np.array([centre]), angle) for angle in (ahead, 0.0)]
-        best = min(options, key=lambda each: _ring_cost(book, family, each))
-        regauge(book, family, best)
-
-
-def _ring_cost(book: Book, family: int, change: Frames) -> int:
-    first = inverse(change)
-    cost = 4 * (abs(float(first.angle[0])) > SMALL) + 2 * (abs(float(first.y[0])) > book.small)
-    for body in book.bodies.values():
-        rows = naming(book, body, family)
-        if rows.any():
-            moved = compose(body.places[rows], change)
-            cost += int(placement_tokens(moved, book.small).sum())
-    return cost
-
-
 def _recentre_groups(book: Book) -> None:
     """Members of one symbol that are turned about one point take that point as their origin."""
     for rule in sorted(book.bodies):
@@ -307,6 +282,8 @@ def _recentre_groups(book: Book) -> None:
         if any(book.family.get(part, part) != same for part in body.parts.tolist()):
             continue
         if same in book.loops or in_loop(book, same) or in_loop(book, rule):
+            continue
+        if same in book.anchored or rule in book.anchored:
             continue
         steps = compose(inverse(body.places[:1]), body.places)
         centre = _shared_point(steps, book.small * 30)

@@ -7,27 +7,29 @@ are expressed in the frame of what they paint. Nothing here looks for patterns.
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.formats.drawing import (
-    Drawing,
     DrawnElement,
-    Effect,
     Fragment,
     Outline,
     PaintServer,
     Style,
 )
-from ipmlang.formats.svg.transforms import Matrix, inverse, multiply, translate
+from ipmlang.formats.svg.transforms import inverse, multiply
+from ipmlang.inverse.effects import EffectClass, drawn_matrix, effect_classes
 from ipmlang.inverse.lsystem.curves import flipped, moved
 from ipmlang.inverse.lsystem.frames import Frames, compose, frames, identity
+from ipmlang.inverse.lsystem.frames import inverse as undo
+from ipmlang.inverse.lsystem.groups import Kind, group_runs
 from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Seen, see
 from ipmlang.inverse.lsystem.symmetry import trivial
 from ipmlang.inverse.observation import Observation, ShapeClass
+from ipmlang.inverse.own_spaces import turned_with_space
 from ipmlang.runtime.export.drawn_assets import depends_on_frame, moved_style
 
 LEAST = 12  # so many lengths of lines, each of fewer than
@@ -50,20 +52,41 @@ class Terminal:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Instanced:
-    """An observation as a string of terminals. effects: the stack of effects of each wrap."""
+    """An observation as a string of terminals.
+
+    string: of all elements; with effects, a stretch for what each group holds behind it, see
+    `group_runs`, whose symbol and frame `bodies` has; effects: the classes of effects that symbols
+    name; element: (m,) the element of each row of `seen`.
+    """
 
     alphabet: Alphabet
     string: Arrangement
     seen: Seen
     terminals: tuple[Terminal, ...]
-    effects: tuple[tuple[str, ...], ...]
+    effects: tuple[EffectClass, ...]
+    bodies: Mapping[int, tuple[int, Frames]]
+    element: NDArray[np.int64]
 
 
-def instance(observed: Observation) -> Instanced:
-    """The alphabet of terminals and the string of all elements in paint order."""
-    alphabet = Alphabet(SHARE * observed.diagonal)
+def instances(observed: Observation) -> list[Instanced]:
+    """Every way to see the drawing as terminals: with what has a space of its own only moved, and,
+    where some of that has a twin that stands otherwise, turned with its space.
+    """
     plain = [replace(style, effects=()) for style in observed.styles]
-    shapes, placed = _scaled_lines(observed, _upright(observed))
+    upright = _upright(observed)
+    turned, twins = turned_with_space(observed, plain, upright)
+    ways = [_instance(observed, plain, upright, {})]
+    return [*ways, _instance(observed, plain, turned, twins)] if twins else ways
+
+
+def _instance(
+    observed: Observation, plain: Sequence[Style], given: Frames, twins: Mapping[int, Hashable]
+) -> Instanced:
+    """The alphabet of terminals and the string of all elements in paint order; plain: the styles
+    without effects; twins: by row, what makes terminals equal that are turned.
+    """
+    alphabet = Alphabet(SHARE * observed.diagonal)
+    shapes, placed = _scaled_lines(observed, given)
     known: dict[Hashable, int] = {}
     terminals: list[Terminal] = []
     numbers = np.empty(len(observed), np.int64)
@@ -71,19 +94,47 @@ def instance(observed: Observation) -> Instanced:
         zip(shapes.tolist(), observed.style.tolist(), strict=True)
     ):
         key, made = _terminal(observed, row, shape, plain[style], placed)
+        key = twins.get(row, key)
         if key not in known:
             bound = made.fragment is not None or depends_on_frame(made.style)
             symmetry = trivial() if bound else made.shape.symmetry
             radius = made.shape.radius * float(made.base.scale[0])
+            # A space of its own shows a wrong turn as far as the drawing reaches.
+            radius = max(radius, observed.diagonal) if bound else radius
             known[key] = alphabet.add_terminal(symmetry, radius)
             terminals.append(made)
         numbers[row] = known[key]
-    wraps: dict[tuple[str, ...], int] = {}
-    of_style = [wraps.setdefault(style.effects, len(wraps)) for style in observed.styles]
-    wrap = np.array(of_style, np.int64)[observed.style]
-    string = Arrangement(numbers, placed, np.arange(len(observed)), wrap)
+    every = np.arange(len(observed))
+    string = Arrangement(numbers, placed, every, np.zeros(len(observed), np.int64))
+    seen = see(alphabet, numbers, placed)
+    return Instanced(alphabet, string, seen, tuple(terminals), (), {}, every)
+
+
+def grouped(observed: Observation, instanced: Instanced, shared: bool) -> Instanced:
+    """What was instanced, with the runs under each group effect as symbols; each run by itself
+    unless they are `shared`.
+    """
+    if not any(style.effects for style in observed.styles):
+        return instanced
+    effects = effect_classes(observed.drawing, observed.flip, shared, observed.tolerance)
+    kinds = [
+        Kind(each.anchored, observed.diagonal / each.scale, each.symmetry)
+        for each in effects.classes
+    ]
+    of_style = [
+        [(name, effects.of[name], effects.frames[name]) for name in style.effects]
+        for style in observed.styles
+    ]
+    stacks = [of_style[style] for style in observed.style.tolist()]
+    made = group_runs(instanced.alphabet, instanced.string, instanced.seen, stacks, kinds, shared)
     return Instanced(
-        alphabet, string, see(alphabet, numbers, placed), tuple(terminals), tuple(wraps)
+        made.alphabet,
+        made.string,
+        made.seen,
+        instanced.terminals,
+        effects.classes,
+        made.bodies,
+        made.element,
     )
 
 
@@ -134,33 +185,25 @@ def _terminal(
 ) -> tuple[Hashable, Terminal]:
     """The terminal that draws an element, and what makes it equal to others."""
     known = observed.classes[shape]
+    place = placed[row : row + 1]
     if known.fragment is not None:
-        linear = known.fragment.matrix[:4]
+        linear = multiply(inverse(drawn_matrix(_about_zero(place), 0.0)), known.fragment.matrix)[:4]
         fragment = replace(known.fragment, matrix=(*linear, 0.0, 0.0))
         return (fragment.kind, fragment.xml, linear), Terminal(
             row, known, style, fragment, identity(1)
         )
     if not depends_on_frame(style):
         return (shape, style), Terminal(row, known, style, None, identity(1))
-    back = inverse(drawn_matrix(placed[row : row + 1], observed.flip))
+    back = inverse(drawn_matrix(place, observed.flip))
     local = _rounded(moved_style(style, back))
-    given = observed.frames[row : row + 1]
-    base = frames(np.zeros(1, np.complex128), given.angle, given.scale, given.handedness)
+    base = _about_zero(compose(undo(place), observed.frames[row : row + 1]))
     key = float(base.angle[0]), float(base.scale[0]), int(base.handedness[0])
     return (shape, local, key), Terminal(row, known, local, None, base)
 
 
-def drawn_matrix(placed: Frames, flip: float) -> Matrix:
-    """The map of y-down coordinates that a frame makes: from an asset's to a drawing's."""
-    factor, hand = complex(placed.factor[0]), float(placed.handedness[0])
-    return (
-        factor.real * hand,
-        -factor.imag * hand,
-        factor.imag,
-        factor.real,
-        float(placed.x[0]),
-        flip - float(placed.y[0]),
-    )
+def _about_zero(place: Frames) -> Frames:
+    """The frame at the origin."""
+    return frames(np.zeros(1, np.complex128), place.angle, place.scale, place.handedness)
 
 
 def _rounded(style: Style) -> Style:
@@ -203,9 +246,3 @@ def asset_element(terminal: Terminal, place: Frames | None) -> DrawnElement:
 
 def _is_upright(place: Frames) -> bool:
     return bool(place.angle[0] == 0 and place.scale[0] == 1 and place.handedness[0] > 0)
-
-
-def effect_in_parts(drawing: Drawing, name: str, flip: float) -> Effect:
-    """An effect as a parts file holds it, whose coordinates the canvas does not flip."""
-    effect = drawing.effects[name]
-    return replace(effect, matrix=multiply(translate(0.0, -flip), effect.matrix))

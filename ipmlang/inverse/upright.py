@@ -31,11 +31,12 @@ MANY = 64  # equivalent frames beyond which a shape is left as it is placed
 def make_upright(book: Book, alphabet: Alphabet) -> None:
     """Plain placements of symmetric symbols, then plain frames of rules, from the axiom down."""
     _place_simply(book, alphabet, every=True)
-    _absorb_turns(book)
+    _absorb_insides(book)
     for rule in _downwards(book):
-        if rule != AXIOM and not in_loop(book, rule):
+        if rule != AXIOM and rule not in book.anchored and not in_loop(book, rule):
             _turn_rule(book, alphabet, rule)
     _place_simply(book, alphabet, every=False)
+    _turn_terminals(book, alphabet)
 
 
 def _downwards(book: Book) -> list[int]:
@@ -75,15 +76,36 @@ def simplest_of(places: Frames, group: Frames, free: bool, small: float) -> Fram
 # ------------------------------------------------------------------------ rules
 
 
-def _absorb_turns(book: Book) -> None:
-    """What a row turns each copy by becomes part of the copy, where only that row names it."""
+def _absorb_insides(book: Book) -> None:
+    """What a sequence turns and moves each copy by becomes part of the copy, where that is shorter.
+
+    A sequence's own frame is bound to its pattern, so copies that are sequences stay.
+    """
     for loop in book.loops.values():
-        turn = loop.pattern.base[0]
-        if loop.pattern.kind != "listed" or abs(turn) <= SMALL or loop.part not in book.bodies:
+        inside = loop.pattern.inside
+        part = book.family.get(loop.part, loop.part)
+        if not (loop.pattern.rest or loop.pattern.inner) or part in book.loops:
             continue
-        if book.uses()[loop.part] == 1:
-            regauge(book, loop.part, frames(np.zeros(1, np.complex128), -turn))
-            loop.pattern = replace(loop.pattern, base=(0.0, 0.0, 0.0, 0.0))
+        if part in book.anchored:
+            continue
+        change = inverse(inside)
+        before, after = _uses(book, part, identity(1)), _uses(book, part, change)
+        if after < before:
+            regauge(book, part, change)
+
+
+def _uses(book: Book, part: int, change: Frames) -> int:
+    """Tokens of all places of a symbol after a change of its frame."""
+    total = 0
+    for body in book.bodies.values():
+        rows = naming(book, body, part)
+        if rows.any():
+            total += int(placement_tokens(compose(body.places[rows], change), book.small).sum())
+    for loop in book.loops.values():
+        if book.family.get(loop.part, loop.part) == part:
+            inside = compose(loop.pattern.inside, change)
+            total += int(placement_tokens(inside, book.small)[0])
+    return total
 
 
 def _turn_rule(book: Book, alphabet: Alphabet, rule: int) -> None:
@@ -103,6 +125,23 @@ def _turn_rule(book: Book, alphabet: Alphabet, rule: int) -> None:
     best = int(np.argmin(costs))
     if costs[best] < costs[0]:
         _turn(book, rule, options[best])
+
+
+def _turn_terminals(book: Book, alphabet: Alphabet) -> None:
+    """Turn and size an asset as the rules that name it do, where that takes fewer tokens: what is
+    slanted in the drawing may be plain in its own rule. What is named outside of rules stays.
+    """
+    outside = {int(part) for rule in book.written_once() for part in book.bodies[rule].parts}
+    for part in sorted(part for part in book.uses() if alphabet[part].terminal):
+        if part in outside or part in book.assets or in_loop(book, part):
+            continue
+        uses = join([body.places[naming(book, body, part)] for body in book.bodies.values()])
+        nowhere = np.zeros(len(uses), np.complex128)
+        options = inverse(frames(nowhere, uses.angle, uses.scale, uses.handedness))[:CANDIDATES]
+        costs = placement_tokens(compose(uses, options[:, None]), book.small).sum(axis=1)
+        best = int(np.argmin(costs))
+        if costs[best] < int(placement_tokens(uses, book.small).sum()):
+            regauge(book, part, options[best : best + 1])
 
 
 def _cost(book: Book, alphabet: Alphabet, rule: int, uses: Frames, change: Frames) -> int:
@@ -130,16 +169,16 @@ def _turn(book: Book, rule: int, change: Frames) -> None:
         regauge(book, rule, change)
     elif rule in book.loops:
         loop = book.loops[rule]
-        place = loop.where
+        inside = compose(compose(inverse(change), loop.pattern.inside), change)
         regauge(book, rule, change)
-        loop.where, loop.pattern = place, _turned(loop.pattern, change)
         _turn(book, book.family.get(loop.part, loop.part), change)
+        loop.pattern = _turned(loop.pattern, change).about(inside)
 
 
 def _turned(pattern: Pattern, change: Frames) -> Pattern:
     """The pattern of a straight row whose frame, and whose members' frames, take a change."""
     if pattern.kind == "listed":
-        return replace(pattern, base=(pattern.base[0] * int(change.handedness[0]), 0.0, 0.0, 0.0))
+        return pattern
     step = compose(inverse(change), frames(np.array([complex(*pattern.base[:2])])))
     return replace(pattern, base=(float(step.x[0]), float(step.y[0]), 0.0, 0.0))
 
@@ -150,7 +189,8 @@ def _turnable(book: Book, alphabet: Alphabet, rule: int, change: Frames) -> bool
     """
     loop = book.loops[rule]
     _, _, angle, growth = loop.pattern.base
-    straight = loop.pattern.kind == "even" and abs(angle) <= SMALL and abs(growth) <= SMALL
+    straight = loop.pattern.kind == "even" and loop.pattern.constant
+    straight &= abs(angle) <= SMALL and abs(growth) <= SMALL
     ahead = complex(change.factor[0]) * int(change.handedness[0])
     if not straight and not (loop.pattern.kind == "listed" and abs(ahead - 1) <= SMALL):
         return False
@@ -158,7 +198,7 @@ def _turnable(book: Book, alphabet: Alphabet, rule: int, change: Frames) -> bool
     if part in book.loops:
         return book.uses()[part] == 1 and _turnable(book, alphabet, part, change)
     if part in book.bodies:
-        return book.uses()[part] == 1
+        return book.uses()[part] == 1 and part not in book.anchored
     return _keeps(alphabet, part, change)
 
 

@@ -1,13 +1,15 @@
 """Deriving a program: bind its attributes, derive, and give the scene of instances.
 
 Which executor runs is the program's doing, never the caller's: shapes that expand independently go
-by the batched frontier, turtles that thread by strings. Both give the same keys and the same order.
+by the batched frontier, turtles that thread, and choices that are drawn again, by strings. Both
+give the same keys and the same order.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Mapping
+from dataclasses import replace
 
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.compiler.ir import Limits, Program
@@ -19,26 +21,48 @@ BACKENDS = ("auto", "cpu")
 def derive(
     program: Program,
     *,
-    seed: int = 0,
+    seed: int | None = None,
     attrs: Mapping[str, int | float | bool | str] | None = None,
     backend: str = "cpu",
     limits: Limits | None = None,
 ) -> Scene:
-    """Run a program: the same seed and attributes give the same scene, on any machine.
+    """Run a program: the same seed and attributes give the same scene, on any machine. Without a
+    seed, which is seed 0, the choices that a program brings along are drawn again. A residual must
+    fit what is drawn where neither seed nor attributes are given; else one that does not is left
+    out, and the scene's notes say so.
 
     Raises IpmError for attributes that do not fit, limits reached, and numbers that are not finite.
     """
     from ipmlang.runtime.bind import bind
     from ipmlang.runtime.numpy_backend import derive_frontier
+    from ipmlang.runtime.replay import Replay
     from ipmlang.runtime.strings import derive_string
 
     if backend not in BACKENDS:
         raise fail("no-such-backend", f"there is no back end `{backend}` here", hint="use `cpu`")
     begun = time.process_time()
-    program, values = bind(program, attrs, seed)
-    limits = limits or program.limits
-    scene = derive_frontier(program, values, seed, limits)
-    if scene is None:
-        scene = derive_string(program, values, seed, limits)
+    written = program
+    program, values = bind(program, attrs, seed or 0)
+    if program.residual is not None and (attrs or seed is not None):
+        program = replace(program, residual=replace(program.residual, strict=False))
+    limits = program.limits if limits is None else _limits(limits, written, program)
+    if seed is None and program.choices is not None:
+        replay = Replay(program, program.choices, strict=not attrs)
+        scene = derive_string(program, values, 0, limits, replay)
+    else:
+        scene = derive_frontier(program, values, seed or 0, limits) or derive_string(
+            program, values, seed or 0, limits
+        )
     scene.seconds = time.process_time() - begun
     return scene
+
+
+def _limits(given: Limits, written: Program, bound: Program) -> Limits:
+    """The limits given; those that are as the program has them are left to its attributes."""
+    late = () if written.late is None else written.late.limits
+    own = {
+        name: getattr(bound.limits, name)
+        for name, _ in late
+        if getattr(given, name) == getattr(written.limits, name)
+    }
+    return replace(given, **own)

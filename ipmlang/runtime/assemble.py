@@ -7,16 +7,20 @@ that exporters read. Nothing here derives, and no geometry is read.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.compiler import ir
 from ipmlang.compiler.diagnostics import fail
-from ipmlang.runtime.scene import AssetRef, Instances, Origin, PenStyle, Scene
+from ipmlang.runtime.residual import adjusted
+from ipmlang.runtime.scene import AssetRef, Groups, Instances, Origin, PenStyle, Scene
 
-TEXT_FIELDS = ("css", "fill", "stroke", "effect", "material")  # pen fields that make a style
+TEXT_FIELDS = ("css", "fill", "stroke", "material")  # pen fields that make a style
+
+
+Framed = TypeVar("Framed", "Rows", Groups)
 
 
 @dataclass(slots=True, eq=False)
@@ -27,7 +31,7 @@ class Rows:
     SCOPE; `shape` a polygon's number or -1; `width` NaN and `color` -1 where the pen sets none,
     else a number of Program.strings; `texts` the same for each of TEXT_FIELDS that some row sets;
     `symbol` the terminal's number; `rule` the production that made it, -1 for the axiom; `key`
-    (n,) u64.
+    (n,) u64; `groups` what `effect` wraps.
     """
 
     position: NDArray[np.float64]
@@ -43,6 +47,7 @@ class Rows:
     symbol: NDArray[np.int32]
     rule: NDArray[np.int32]
     key: NDArray[np.uint64]
+    groups: Groups | None = None
 
 
 def scene(
@@ -55,10 +60,11 @@ def scene(
     shapes: int,
 ) -> Scene:
     """The scene of a derivation that made `shapes` shapes in `generations` steps."""
-    styles, style = _styles(program, rows)
-    axiom = len(program.productions)
     if program.abop and program.flat:
         rows, polygons = _in_book_axes(rows, polygons)
+    rows, polygons, notes = adjusted(program, rows, polygons)
+    styles, style = _styles(program, rows)
+    axiom = len(program.productions)
     instances = Instances(
         rows.position,
         rows.rotation,
@@ -88,6 +94,8 @@ def scene(
         generations,
         shapes,
         seed,
+        notes=notes,
+        groups=rows.groups,
     )
 
 
@@ -97,15 +105,20 @@ def _in_book_axes(
     """Mirrored in x: the published end points are those of a turtle whose left is along -y. In
     space it starts like that; in the plane it is a mirrored frame.
     """
-    w, x, y, z = rows.rotation.T
     axes = np.array((1.0, -1.0, 1.0))
-    made = replace(
-        rows,
-        position=rows.position * axes + 0.0,
-        rotation=np.stack((z, x, y, w), axis=1),
-        scale=-rows.scale,
-    )
+    groups = None if rows.groups is None else _mirrored(rows.groups, axes)
+    made = replace(_mirrored(rows, axes), groups=groups)
     return made, tuple(corners * axes[: corners.shape[1]] for corners in polygons)
+
+
+def _mirrored(framed: Framed, axes: NDArray[np.float64]) -> Framed:
+    w, x, y, z = framed.rotation.T
+    return replace(
+        framed,
+        position=framed.position * axes + 0.0,
+        rotation=np.stack((z, x, y, w), axis=1),
+        scale=-framed.scale,
+    )
 
 
 def _origin(program: ir.Program, production: ir.Production) -> Origin:
@@ -127,23 +140,16 @@ def _styles(program: ir.Program, rows: Rows) -> tuple[tuple[PenStyle, ...], NDAr
         {name: program.strings[i] for name, i in zip(fields, row, strict=True) if i >= 0}
         for row in distinct.tolist()
     ]
-    return tuple(_style(program, each) for each in texts), number[1:].astype(np.int32)
+    return tuple(_style(each) for each in texts), number[1:].astype(np.int32)
 
 
-def _style(program: ir.Program, texts: dict[str, str]) -> PenStyle:
+def _style(texts: dict[str, str]) -> PenStyle:
     declared = [texts.get("css", "").strip().rstrip(";")]
     declared += [f"{name}:{texts[name]}" for name in ("fill", "stroke") if name in texts]
     return PenStyle(
         ";".join(each for each in declared if each),
-        _reference(program, texts["effect"]) if texts.get("effect") else None,
         texts.get("material", ""),
     )
-
-
-def _reference(program: ir.Program, text: str) -> AssetRef:
-    """`fence.parts.svg#g1`, beside the grammar."""
-    name, _, node = text.partition("#")
-    return AssetRef(node or name, Path(program.path).parent / name, node or None)
 
 
 def _colors(program: ir.Program, numbers: NDArray[np.int32]) -> NDArray[np.uint32]:

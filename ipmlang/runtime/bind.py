@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from ipmlang.compiler import ir
-from ipmlang.compiler.diagnostics import Diagnostic, IpmError, nearest
+from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail, nearest
 from ipmlang.runtime import keys
 from ipmlang.runtime.code import compile_values
 
@@ -54,7 +54,33 @@ def bind(
         values.append(number)
     if problems:
         raise IpmError(problems)
-    return replace(program, strings=tuple(strings)), tuple(values)
+    program = replace(program, strings=tuple(strings))
+    return _settled(program, values, seed), tuple(values)
+
+
+def _settled(program: ir.Program, values: list[float], seed: int) -> ir.Program:
+    """The program with the settings that its attributes decide."""
+    late = program.late
+    if late is None:
+        return program
+    wanted = (*(late.tropism or ()), *(register for _, register in late.limits))
+    found = list(compile_values(late.code, wanted)[1]((), *keys.root(seed), {}, values, ()))
+    if late.tropism is not None:
+        x, y, z, elasticity = found[:4]
+        del found[:4]
+        if not math.isfinite(x + y + z + elasticity):
+            raise fail("not-a-number", "a number of the `tropism` is not finite")
+        program = replace(program, tropism=(x, y, z, elasticity))
+    limits = {
+        name: _limit(name, value) for (name, _), value in zip(late.limits, found, strict=True)
+    }
+    return replace(program, limits=replace(program.limits, **limits))
+
+
+def _limit(name: str, value: float) -> int:
+    if not 1 <= value < math.inf:
+        raise fail("out-of-range", f"`limit {name}` is {value:g}, but must be 1 or more")
+    return int(value)
 
 
 def _default(program: ir.Program, attr: ir.Attribute, before: list[float], seed: int) -> float:

@@ -15,6 +15,7 @@ from ipmlang.compiler import ir
 from ipmlang.runtime.algebra import Operand, Source
 from ipmlang.runtime.code import INFIX, Names, expression, source
 from ipmlang.runtime.fields import IDENTITY, UNSET
+from ipmlang.runtime.grouping import FIELD
 from ipmlang.runtime.primitives import UnscannableError
 from ipmlang.runtime.scene import SCOPE, SEGMENT
 
@@ -125,7 +126,10 @@ class Writer:
             given = [inner.registers[arg] for arg in each.args]
             if each.op in ("segment", "emit"):
                 self._draw(each, scope, given, symbol, site, state)
-            state = self._state(each, given, state)
+            if each.op == "pen" and _field(each) == FIELD:
+                state = self._grouped(each, given, inner, state)
+            else:
+                state = self._state(each, given, state)
         return state
 
     def _module(self, each: ir.Instruction, scope: Scope, state: State) -> State:
@@ -248,13 +252,29 @@ class Writer:
         return {**state, **own}
 
     def _penned(self, each: ir.Instruction, args: list[Operand], state: State) -> State:
-        assert isinstance(each.const, tuple)
-        field, text = each.const
-        value = args[0] if args else float(self._setting.program.strings.index(str(text)))
-        changed = {**state, str(field): value}
+        field = _field(each)
+        changed = {**state, field: self._pen_value(each, args)}
         if field == "color":  # a colour is for both
             changed.update({name: -1.0 for name in ("fill", "stroke") if name in state})
         return changed
+
+    def _pen_value(self, each: ir.Instruction, args: list[Operand]) -> Operand:
+        assert isinstance(each.const, tuple)
+        if args:
+            return args[0]
+        return float(self._setting.program.strings.index(str(each.const[1])))
+
+    def _grouped(
+        self, each: ir.Instruction, args: list[Operand], scope: Scope, state: State
+    ) -> State:
+        """A group begins in the frame that the state has."""
+        if self._quiet:  # a scan cannot make groups in groups
+            raise UnscannableError
+        names = [name for name in state if name in FRAME or name == "layer"]
+        parts = [source(self._pen_value(each, args)), source(state[FIELD])]
+        parts.append(self._mapping(state, names))
+        count = [] if self._single else [scope.count]
+        return {**state, FIELD: self._held(f"run.group({', '.join([*count, *parts])})")}
 
     # ---------------------------------------------------------------- what is handed over
 
@@ -402,6 +422,12 @@ class Writer:
 
 
 FRAME = frozenset({"x", "y", "z", "angle", "w", "i", "j", "k", "scale"})
+
+
+def _field(each: ir.Instruction) -> str:
+    """What a pen instruction sets."""
+    assert isinstance(each.const, tuple)
+    return str(each.const[0])
 
 
 def _read(body: Iterable[ir.Instruction]) -> Iterable[int]:

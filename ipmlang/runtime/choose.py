@@ -21,6 +21,16 @@ from ipmlang.runtime.values import Batch, Flags, Value, spread
 # production, rows to try -> which of them match, and what the left and the right context captured
 Match = Callable[[ir.Production, Whole], tuple[Flags, tuple[Value, ...], tuple[Value, ...]]]
 
+
+class ShapeError(Exception):
+    """An error at one row of a batch; who knows the way there adds it."""
+
+    def __init__(self, error: IpmError, row: int = 0) -> None:
+        super().__init__(error, row)
+        self.error = error
+        self.row = row
+
+
 OVER = 1 + 1e-9  # percentages of true conditions may add up to this
 
 
@@ -51,12 +61,20 @@ class Choice:
 
     def walk(self) -> tuple[list[Taken], Whole]:
         """What is taken, and the rows for which nothing is."""
+        self.draw()
+        return self.result()
+
+    def draw(self) -> None:
+        """Walk the productions for every row."""
         for number, production in self._productions:
             if not len(self._open):
                 break
             self._try(number, production)
         if self._sum is not None and (self._sum > OVER).any():
             raise self._over()
+
+    def result(self) -> tuple[list[Taken], Whole]:
+        """The same as `walk`, once it was drawn."""
         return list(self._results()), np.flatnonzero(self._taken < 0)
 
     def _results(self) -> list[Taken]:
@@ -120,15 +138,13 @@ class Choice:
 
     def _amount(self, tried: Taken, production: ir.Production) -> Real:
         assert production.chance is not None
-        kind, instructions, register = production.chance
+        _, instructions, register = production.chance
         tried.batch.evaluate(instructions)
         amount = tried.batch.column(register)
-        if not (amount >= 0).all():
-            raise fail(
-                "out-of-range",
-                f"{told(tried.batch.bound.program, production)}: a {kind} is "
-                f"{amount[~(amount >= 0)][0]:g}, but must be 0 or more",
-            )
+        wrong = np.flatnonzero(~(amount >= 0))
+        if len(wrong):
+            error = out_of_range(tried.batch.bound.program, production, float(amount[wrong[0]]))
+            raise ShapeError(error, int(tried.rows[wrong[0]]))
         return np.array(amount)
 
     def _eligible(self, number: int, production: ir.Production) -> Taken:
@@ -153,15 +169,27 @@ class Choice:
         self._tried[number] = Taken(number, rows, batch)
         return self._tried[number]
 
-    def _over(self) -> IpmError:
+    def _over(self) -> ShapeError:
         assert self._sum is not None
         row = int(np.argmax(self._sum))
-        return fail(
-            "over-100-percent",
-            f"the percentages of {module(self._batch, self._productions[0][1].symbol, row)} add up "
-            f"to {self._sum[row] * 100:g}, but must not exceed 100",
-            hint="guards that exclude each other, or smaller percentages, mend this",
-        )
+        name = module(self._batch, self._productions[0][1].symbol, row)
+        return ShapeError(over(name, float(self._sum[row])), row)
+
+
+def over(name: str, total: float) -> IpmError:
+    """The error of percentages that add up to more than 1."""
+    return fail(
+        "over-100-percent",
+        f"the percentages of {name} add up to {total * 100:g}, but must not exceed 100",
+        hint="guards that exclude each other, or smaller percentages, mend this",
+    )
+
+
+def out_of_range(program: ir.Program, production: ir.Production, amount: float) -> IpmError:
+    """The error of a percentage or weight below 0."""
+    kind = "chance" if production.chance is None else production.chance[0]
+    message = f"{told(program, production)}: a {kind} is {amount:g}, but must be 0 or more"
+    return fail("out-of-range", message)
 
 
 def fresh(batch: Batch) -> Batch:
@@ -171,9 +199,10 @@ def fresh(batch: Batch) -> Batch:
 
 def module(batch: Batch, symbol: int, row: int) -> str:
     """One shape as its grammar would write it: `A(3, 0.5)`."""
-    name = batch.bound.program.symbols[symbol].name
-    values = [float(np.broadcast_to(value, (batch.count,))[row]) for value in batch.params]
-    return f"{name}({', '.join(f'{value:g}' for value in values)})" if values else name
+    own = batch.bound.program.symbols[symbol]
+    written = batch.params[: own.arity - own.carried]
+    values = [float(np.broadcast_to(value, (batch.count,))[row]) for value in written]
+    return f"{own.name}({', '.join(f'{value:g}' for value in values)})" if values else own.name
 
 
 def told(program: ir.Program, production: ir.Production) -> str:

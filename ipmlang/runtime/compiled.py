@@ -9,7 +9,6 @@ from collections.abc import Callable
 from typing import TypeAlias, cast
 
 from ipmlang.compiler import ir
-from ipmlang.compiler.diagnostics import fail
 from ipmlang.runtime import keys
 from ipmlang.runtime.bodies import (
     OWN,
@@ -19,7 +18,7 @@ from ipmlang.runtime.bodies import (
     Writer,
 )
 from ipmlang.runtime.chains import Chain, Drawing, tail_of, walk_of
-from ipmlang.runtime.choose import OVER, told
+from ipmlang.runtime.choose import OVER, out_of_range, over
 from ipmlang.runtime.code import compile_values, source
 from ipmlang.runtime.primitives import UnscannableError, function, names_for
 
@@ -152,8 +151,7 @@ class Compiled:
                 if taken < 0 and drawn < total:
                     taken = number
             if total > OVER:
-                name = told(self._program, first)
-                raise fail("percent-over", f"the percentages of {name} add up to {total * 100:g}")
+                raise over(_module(self._program.symbols[first.symbol], params), total)
             return taken
 
         return choose
@@ -178,8 +176,7 @@ class Compiled:
 
     def _amount(self, number: int, amount: float) -> float:
         if not amount >= 0:
-            name = told(self._program, self.production(number))
-            raise fail("negative-chance", f"{name}: a chance is {amount:g}, but must be 0 or more")
+            raise out_of_range(self._program, self.production(number), amount)
         return amount
 
     def _single(
@@ -216,6 +213,12 @@ class Compiled:
         )
         walk = walk_of(production, tail, self._setting.attrs, self._space(True))
         return Chain(numbers[0], walk, cast("Drawing", body))
+
+
+def _module(symbol: ir.Symbol, params: tuple[float, ...]) -> str:
+    """One shape as its grammar would write it."""
+    written = ", ".join(f"{value:g}" for value in params[: symbol.arity - symbol.carried])
+    return f"{symbol.name}({written})" if written else symbol.name
 
 
 def _scope(parameters: int) -> Scope:

@@ -80,7 +80,8 @@ class Neighbours:
 
     def __init__(self, program: ir.Program, length: int, tables: dict[int, Modules]) -> None:
         self._tables = tables
-        self._arity = np.array([symbol.arity for symbol in program.symbols] + [0, 0], np.int64)
+        written = [symbol.arity - symbol.carried for symbol in program.symbols]
+        self._arity = np.array([*written, 0, 0], np.int64)
         self._symbol = np.full(length, OPEN, np.int64)
         self._row = np.zeros(length, np.int64)
         for symbol, table in tables.items():

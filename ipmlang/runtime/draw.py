@@ -14,12 +14,14 @@ from numpy.typing import NDArray
 
 from ipmlang.compiler import ir
 from ipmlang.compiler.diagnostics import fail
+from ipmlang.runtime.ancestry import ModuleError
 from ipmlang.runtime.assemble import TEXT_FIELDS, Rows
 from ipmlang.runtime.choose import told
+from ipmlang.runtime.grouping import FIELD, Grouping
 from ipmlang.runtime.interpret import Act, Stream, chosen
 from ipmlang.runtime.keys import packed
 from ipmlang.runtime.scan import Frames, Real, Whole
-from ipmlang.runtime.scene import OUTLINE, SCOPE, SEGMENT
+from ipmlang.runtime.scene import OUTLINE, SCOPE, SEGMENT, Groups
 from ipmlang.runtime.turtle import Turtle
 from ipmlang.runtime.values import Value
 
@@ -74,7 +76,7 @@ def _rows(program: ir.Program, stream: Stream, turtle: Turtle, acts: list[_Drawn
             if isinstance(value, np.ndarray) or value:
                 size[rows, axis] = value
     frames = turtle.frames(at)
-    _check_finite(program, frames, rule)
+    _check_finite(program, frames, rule, [each.act for each in acts], order)
     outline = asset == OUTLINE
     if outline.any():  # corners are in world coordinates
         frames.position[outline], frames.scale[outline] = 0, 1
@@ -94,19 +96,31 @@ def _rows(program: ir.Program, stream: Stream, turtle: Turtle, acts: list[_Drawn
         symbol,
         rule,
         key,
+        pen.groups(),
     )
 
 
-def _check_finite(program: ir.Program, frames: Frames, rule: NDArray[np.int32]) -> None:
+def _check_finite(
+    program: ir.Program,
+    frames: Frames,
+    rule: NDArray[np.int32],
+    acts: list[Act],
+    order: list[Whole],
+) -> None:
     """Refuse frames that grew out of the numbers, and name the first rule that draws there."""
     bad = np.flatnonzero(~np.isfinite(frames.position).all(axis=1) | ~np.isfinite(frames.scale))
-    if len(bad):
-        number = int(rule[bad[0]])
-        production = program.axiom if number < 0 else program.productions[number]
-        raise fail(
-            "not-a-number",
-            f"{told(program, production)} draws where the turtle's place or scale is not finite",
-        )
+    if not len(bad):
+        return
+    number = int(rule[bad[0]])
+    production = program.axiom if number < 0 else program.productions[number]
+    name = told(program, production)
+    error = fail("not-a-number", f"{name} draws where the turtle's place or scale is not finite")
+    act, row = next(
+        (act, int(np.argmax(rows == bad[0])))
+        for act, rows in zip(acts, order, strict=True)
+        if (rows == bad[0]).any()
+    )
+    raise ModuleError(error, act.modules.symbol, row if act.rows is None else int(act.rows[row]))
 
 
 def _of(act: Act, column: object) -> NDArray[np.generic] | int:
@@ -157,8 +171,32 @@ class _Pen:
     def text(self, field: str) -> NDArray[np.int32]:
         return self._turtle.last(self._acts.get(field, []), -1.0, self._at).astype(np.int32)
 
+    def groups(self) -> Groups | None:
+        """What `effect` wraps: one group for each time the turtle came by."""
+        acts = self._acts.get(FIELD, [])
+        if not acts:
+            return None
+        grouping, turtle = Grouping(), self._turtle
+        ends = np.cumsum([len(act.at) for act, _ in acts]).tolist()
+        begun: list[tuple[Act, Value]] = [
+            (act, np.arange(end - len(act.at), end, dtype=np.float64))
+            for (act, _), end in zip(acts, ends, strict=True)
+        ]
+        for act, text in acts:
+            around = turtle.last(begun, -1.0, act.at, before=True)
+            grouping.begin(len(act.at), text, around, _frame_columns(turtle, act.at))
+        return grouping.groups(self._program, turtle.last(begun, -1.0, self._at).astype(np.int32))
+
     def texts(self) -> dict[str, NDArray[np.int32]]:
         return {field: self.text(field) for field in TEXT_FIELDS if field in self._acts}
+
+
+def _frame_columns(turtle: Turtle, at: Whole) -> dict[str, Real]:
+    """The state at some places, as an executor's columns."""
+    found = turtle.frames(at)
+    columns = dict(zip("xyz", found.position.T, strict=True))
+    columns |= dict(zip("wijk", found.rotation.T, strict=True))
+    return {**columns, "scale": found.scale, "layer": turtle.layers(at)}
 
 
 def _nesting(stream: Stream) -> NDArray[np.int32] | None:

@@ -13,10 +13,12 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ipmlang.compiler import ir
 from ipmlang.runtime import keys, scan
 from ipmlang.runtime.assemble import TEXT_FIELDS, Rows
 from ipmlang.runtime.bodies import OWN
 from ipmlang.runtime.code import Column
+from ipmlang.runtime.grouping import FIELD, Grouping
 from ipmlang.runtime.keys import Words
 
 Places = NDArray[np.int32]
@@ -58,7 +60,13 @@ class Chunk:
         return keys.packed(*keys.child(words[0], words[1], self.site, *words[2:]))
 
 
-def rows(chunks: Sequence[Chunk], places: Places, initial: dict[str, float]) -> Rows:
+def rows(
+    program: ir.Program,
+    chunks: Sequence[Chunk],
+    places: Places,
+    initial: dict[str, float],
+    grouping: Grouping,
+) -> Rows:
     """All drawings in the order of their places (n,); `initial` are the state's fields."""
     columns = _Columns(chunks, places)
     count = len(places)
@@ -71,6 +79,7 @@ def rows(chunks: Sequence[Chunk], places: Places, initial: dict[str, float]) -> 
     scale = columns.field("scale", np.float64, 1.0)
     texts = {name: columns.field(name, np.int32, -1) for name in TEXT_FIELDS if name in initial}
     color = columns.field("color", np.int32, -1)
+    group = columns.field(FIELD, np.int32, -1)
     position = np.zeros((count, 3))
     axes = "xy" if "angle" in initial else "xyz"
     columns.rows(position, lambda chunk: [chunk.state.pop(name) for name in axes])
@@ -91,6 +100,7 @@ def rows(chunks: Sequence[Chunk], places: Places, initial: dict[str, float]) -> 
         columns.filled(np.int32, lambda chunk: chunk.symbol),
         columns.filled(np.int32, lambda chunk: chunk.rule),
         key,
+        grouping.groups(program, group),
     )
 
 

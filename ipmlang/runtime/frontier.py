@@ -8,7 +8,7 @@ keys.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 from ipmlang.compiler import ir
 from ipmlang.runtime import keys
 from ipmlang.runtime.bodies import Setting
-from ipmlang.runtime.choose import Choice, module
+from ipmlang.runtime.choose import Choice, ShapeError, module
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.compiled import Compiled
 from ipmlang.runtime.copying import Copying
 from ipmlang.runtime.drawings import Chunk
+from ipmlang.runtime.grouping import Grouping
 from ipmlang.runtime.keys import Words
 from ipmlang.runtime.limits import Counted, Trail
 from ipmlang.runtime.order import Drawn, Made, Order, Record
@@ -51,6 +52,7 @@ class Frontier(Copying):
         self.order = Order()
         self.chunks: list[Chunk] = []
         self.drawings = 0
+        self.grouping = Grouping()
         self._single = Single(self)
 
     @property
@@ -95,7 +97,11 @@ class Frontier(Copying):
             self.apply(numbers[0], shapes)
             return
         self.counted.now = shapes.numbers
-        taken, rest = Choice(batch, numbers, None).walk()
+        try:
+            taken, rest = Choice(batch, numbers, None).walk()
+        except ShapeError as found:
+            shape = int(shapes.numbers[found.row])
+            raise self.counted.traced(found.error, shape) from found
         if len(rest):
             self._keep(symbol, generation, shapes.take(rest), batch.take(rest))
         for each in taken:
@@ -217,6 +223,12 @@ class Frontier(Copying):
         self.chunks.append(chunk)
         self.drawings += chunk.count
         return Drawn(chunk.start, chunk.count, chunk.rows)
+
+    def group(
+        self, count: int, text: Column, parent: Column, state: Mapping[str, Column]
+    ) -> NDArray[np.float64]:
+        """Begin a group in every row of a batch; their numbers."""
+        return self.grouping.begin(count, text, parent, state)
 
     def make(
         self,

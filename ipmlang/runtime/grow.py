@@ -15,9 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipmlang.compiler import ir
-from ipmlang.compiler.diagnostics import fail
+from ipmlang.compiler.diagnostics import IpmError, fail
+from ipmlang.runtime.ancestry import Grown, History, ModuleError, Rewritten, told_way, way_of
 from ipmlang.runtime.branches import Branches
-from ipmlang.runtime.choose import Match, told
+from ipmlang.runtime.choose import Match, ShapeError, told
 from ipmlang.runtime.context import Neighbours
 from ipmlang.runtime.rewrite import (
     CLOSE,
@@ -49,32 +50,28 @@ class String:
         return np.zeros(0, np.int64) if table is None else table.place
 
 
-@dataclass(slots=True, eq=False)
-class _Rewritten:
-    """All modules of one symbol that a step rewrites: where they came from, what they became."""
-
-    parts: list[Modules]
-    count: int
-    blocks: list[Block]
-
-
-def derived(rewriter: Rewriter, seed: int, count: int | None) -> String:
+def derived(
+    rewriter: Rewriter, seed: int, count: int | None, history: History | None = None
+) -> String:
     """The string after `count` steps (None: when no module with productions is left), before
-    `interpret` rules.
+    `interpret` rules. Raises IpmError, or ModuleError where only a `history` knows the way.
     """
-    start = rewriter.axiom(seed)
+    try:
+        start = rewriter.axiom(seed)
+    except ShapeError as found:
+        raise told_way(found.error, way_of(())) from found
     if _looks_around(rewriter.program):
-        return _step_by_step(rewriter, start, count)
-    return _at_once(rewriter, start, count)
+        return _step_by_step(rewriter, start, count, history)
+    return _at_once(rewriter, start, count, history)
 
 
-def interpreted(rewriter: Rewriter, string: String) -> String:
-    """The string with every `interpret` rule applied once."""
+def interpreted(rewriter: Rewriter, string: String, history: History | None = None) -> String:
+    """The string with every `interpret` rule applied once. Raises as above."""
     program = rewriter.program
     numbers = {i: symbol.interpretation for i, symbol in enumerate(program.symbols)}
     if not any(numbers[symbol] for symbol in string.tables if symbol >= 0):
         return string
-    return _cut(program, _stepped(rewriter, string, numbers, "leave"))
+    return _cut(program, _stepped(rewriter, string, numbers, "leave", history), history)
 
 
 def _rest(program: ir.Program) -> Rest:
@@ -95,28 +92,45 @@ def _meaning(program: ir.Program, op: str) -> list[int]:
     ]
 
 
-def _at_once(rewriter: Rewriter, start: Block, count: int | None) -> String:
+def _at_once(
+    rewriter: Rewriter, start: Block, count: int | None, history: History | None
+) -> String:
     program = rewriter.program
-    done: list[list[_Rewritten]] = []
-    kept: list[Modules] = []
+    grown = Grown(program, start)
+    done, kept = grown.done, grown.kept
+    if rewriter.draws is not None:
+        _rank(program, [(start, np.zeros(1, np.int64))], 1)
     frontier = _sorted_out(program, modules(start.items), kept)
     while frontier and (count is None or len(done) < count):
-        _check_steps(rewriter, len(done), frontier)
-        step: list[_Rewritten] = []
+        stopped = _at_limit(rewriter, len(done), frontier)
+        if stopped is not None:
+            raise told_way(stopped, way_of(grown.labels(frontier[min(frontier)], 0)))
+        step: list[Rewritten] = []
         made: list[Modules] = []
+        ranked: list[tuple[Block, Whole]] = []
         for symbol in sorted(frontier):
             parts = frontier[symbol]
-            batch = _batch(rewriter.bound, merged(parts))
+            table = merged(parts)
+            batch = _batch(rewriter.bound, table)
             numbers = program.symbols[symbol].productions
-            blocks = rewriter.step(batch, symbol, numbers, None, _rest(program))
-            step.append(_Rewritten(parts, batch.count, blocks))
+            try:
+                blocks = rewriter.step(batch, symbol, numbers, None, _rest(program), table.place)
+            except ShapeError as found:
+                way = way_of(grown.labels(parts, found.row))
+                raise told_way(found.error, way) from found
+            step.append(Rewritten(parts, batch.count, blocks))
+            ranked += [(block, table.place[block.rows]) for block in blocks if len(table.place)]
             for block in blocks:
                 made += modules(block.items)
         done.append(step)
+        if rewriter.draws is not None:
+            _rank(program, ranked, sum(each.count for each in step))
         frontier = _sorted_out(program, made, kept)
     for parts in frontier.values():
         kept += parts
     length = _find_places(start, done)
+    if history is not None:
+        history.grown = grown
     return _gathered(length, kept, len(done))
 
 
@@ -135,11 +149,28 @@ def _sorted_out(
     return frontier
 
 
+def _rank(program: ir.Program, blocks: Iterable[tuple[Block, Whole]], count: int) -> None:
+    """Number the modules that the next step rewrites, from left to right, in their `place`. Each
+    block comes with the numbers below `count` of the modules that it stands for.
+    """
+    every = [each for block, _ in blocks for each in modules(block.items)]
+    for each in every:
+        each.leaves = int(each.symbol >= 0 and bool(program.symbols[each.symbol].productions))
+    length = np.zeros(count, np.int64)
+    for block, numbers in blocks:
+        length[numbers] = leaves(block.items, len(numbers))
+    starts = np.cumsum(length) - length
+    for block, numbers in blocks:
+        lay(block.items, starts[numbers])
+    for each in every:
+        each.leaves = 1
+
+
 def _batch(bound: Bound, table: Modules) -> Batch:
     return Batch(bound, table.count, table.params, table.k0, table.k1, table.silent)
 
 
-def _find_places(start: Block, done: list[list[_Rewritten]]) -> int:
+def _find_places(start: Block, done: list[list[Rewritten]]) -> int:
     """Count leaves from the last step to the first, then hand places down; the string's length."""
     for step in reversed(done):
         for each in step:
@@ -167,19 +198,33 @@ def _gathered(length: int, kept: Iterable[Modules], steps: int) -> String:
     return String(length, {symbol: merged(parts[symbol]) for symbol in sorted(parts)}, steps)
 
 
-def _step_by_step(rewriter: Rewriter, start: Block, count: int | None) -> String:
+def _step_by_step(
+    rewriter: Rewriter, start: Block, count: int | None, history: History | None
+) -> String:
     program = rewriter.program
     lay(start.items, np.zeros(1, np.int64))
     string = _gathered(int(leaves(start.items, 1)[0]), modules(start.items), 0)
-    string = _cut(program, string)
+    string = _cut(program, string, history)
     numbers = {i: symbol.productions for i, symbol in enumerate(program.symbols)}
     while count is None or string.steps < count:
         live = [symbol for symbol in string.tables if symbol >= 0 and numbers[symbol]]
         if not live:
             break
-        _check_steps(rewriter, string.steps, live)
-        string = _cut(program, _stepped(rewriter, string, numbers, _rest(program)))
+        stopped = _at_limit(rewriter, string.steps, live)
+        if stopped is not None:
+            raise _placed_error(stopped, string, min(live), 0, history)
+        string = _stepped(rewriter, string, numbers, _rest(program), history)
+        string = _cut(program, string, history)
     return string
+
+
+def _placed_error(
+    error: IpmError, string: String, symbol: int, row: int, history: History | None
+) -> IpmError | ModuleError:
+    """An error at a row of a symbol's modules, with the way there if that is known."""
+    if history is None:
+        return ModuleError(error, symbol, row)
+    return told_way(error, history.way(symbol, int(string.tables[symbol].place[row])))
 
 
 def _stepped(
@@ -187,6 +232,7 @@ def _stepped(
     string: String,
     numbers: dict[int, tuple[int, ...]],
     rest: Rest,
+    history: History | None,
 ) -> String:
     """The string with every module rewritten that `numbers` has productions for."""
     program = rewriter.program
@@ -202,12 +248,18 @@ def _stepped(
             continue
         match: Match | None = neighbours.of(table) if neighbours is not None else None
         batch = _batch(rewriter.bound, table)
-        blocks = rewriter.step(batch, symbol, numbers[symbol], match, rest)
+        try:
+            blocks = rewriter.step(batch, symbol, numbers[symbol], match, rest, table.place)
+        except ShapeError as found:
+            raise _placed_error(found.error, string, symbol, found.row, history) from found
         for block in blocks:
             length[table.place[block.rows]] = leaves(block.items, len(block.rows))
         rewritten.append((table, blocks))
     ends = np.cumsum(length)
     starts = ends - length
+    if history is not None:
+        tables = [(table.symbol, table.place) for table, _ in rewritten]
+        history.steps.append((np.repeat(np.arange(len(length)), length), tables))
     kept = list(static)
     for table in static:
         table.place = starts[table.place]
@@ -219,7 +271,7 @@ def _stepped(
     return _gathered(total, (each for each in kept if each.count), string.steps + 1)
 
 
-def _cut(program: ir.Program, string: String) -> String:
+def _cut(program: ir.Program, string: String, history: History | None) -> String:
     """The string without each `cut` and what follows it in its branch."""
     first = _placed(program, string, "cut")
     if not len(first):
@@ -232,6 +284,8 @@ def _cut(program: ir.Program, string: String) -> String:
     begins, closes = _braces(program, string)
     left[closes] = left[begins]  # what stays open of a polygon must close
     place = np.cumsum(left) - 1
+    if history is not None:
+        history.steps.append((np.flatnonzero(left), []))
     tables = {}
     for symbol, table in string.tables.items():
         rows = np.flatnonzero(left[table.place])
@@ -273,14 +327,15 @@ def _some(table: Modules, rows: Whole) -> Modules:
     )
 
 
-def _check_steps(rewriter: Rewriter, done: int, frontier: Iterable[int]) -> None:
+def _at_limit(rewriter: Rewriter, done: int, frontier: Iterable[int]) -> IpmError | None:
+    """The error of one more step where there may be none."""
     limits = rewriter.budget.limits
     bound, kind = min((limits.steps, "steps"), (limits.depth, "depth"))
     if done < bound:
-        return
+        return None
     program = rewriter.program
     number = program.symbols[min(frontier)].productions[0]
-    raise fail(
+    return fail(
         f"limit-{kind}",
         f"the derivation stopped at its limit of {bound:,} for {kind}: "
         f"{told(program, program.productions[number])} still applies",

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -102,6 +102,11 @@ class Counted:
         trail = None if self.trail is None else self.trail.to(shape)
         return IpmError([Diagnostic(code, message, hint=hint, trail=trail)])
 
+    def traced(self, error: IpmError, shape: int) -> IpmError:
+        """An error that was raised at a shape, with the way there."""
+        trail = None if self.trail is None else self.trail.to(shape)
+        return IpmError([replace(each, trail=trail) for each in error.diagnostics])
+
     def _remember(self) -> None:
         needed = self.shapes * SHAPE_BYTES + self._drawings * DRAWING_BYTES
         if needed > self._limits.memory:
@@ -115,6 +120,13 @@ class Counted:
             f"{reached:,}",
             hint=f"a guard or `steps` ends the growth; `limit {kind}` raises the limit",
         )
+
+
+def joined_way(parts: Sequence[str]) -> str:
+    """The names on a way, shortened in the middle."""
+    if len(parts) > 2 * LONGEST:
+        parts = [*parts[:LONGEST], "…", *parts[-LONGEST:]]
+    return " > ".join(parts)
 
 
 Around = tuple[tuple[Copies, ...], Record]
@@ -137,10 +149,7 @@ class Trail:
             shape, copy = parents.of(shape)
             parts.append(name if copy is None else f"{name}[{copy}]")
         parts.append("start")
-        parts.reverse()
-        if len(parts) > 2 * LONGEST:
-            parts = [*parts[:LONGEST], "…", *parts[-LONGEST:]]
-        return " > ".join(parts)
+        return joined_way(parts[::-1])
 
 
 class _Parents:

@@ -46,7 +46,7 @@ def derive_frontier(
             return None
         places = frontier.order.places(frontier.shapes, frontier.drawings)
         frontier.order.records.clear()
-        rows = drawings.rows(frontier.chunks, places, initial)
+        rows = drawings.rows(program, frontier.chunks, places, initial, frontier.grouping)
     return scene(
         program,
         rows,

@@ -17,10 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.compiler import ir
-from ipmlang.compiler.diagnostics import fail
+from ipmlang.compiler.diagnostics import IpmError, fail
 from ipmlang.runtime import keys
-from ipmlang.runtime.choose import Choice, Match, Taken, fresh, module, told
+from ipmlang.runtime.choose import Choice, Match, ShapeError, Taken, fresh, module, told
 from ipmlang.runtime.keys import Words
+from ipmlang.runtime.replay import Recording, Replay
 from ipmlang.runtime.scan import Whole
 from ipmlang.runtime.values import Batch, Bound, Flags, Value, joined
 
@@ -31,6 +32,17 @@ Rest: TypeAlias = Literal["refuse", "again", "leave"]
 WALK_BYTES = 120  # a module, until its row of the instance table stands
 OPEN = -1  # `symbol` of an opening bracket
 CLOSE = -2
+
+
+def _stopped(kind: str, limit: int, what: str, reached: int) -> ShapeError:
+    return ShapeError(
+        fail(
+            f"limit-{kind}",
+            f"the derivation stopped at its limit of {limit:,} {what} would bring it to "
+            f"{reached:,}",
+            hint=f"a guard or `steps` ends the growth; `limit {kind}` raises the limit",
+        )
+    )
 
 
 def no_words() -> Words:
@@ -84,6 +96,7 @@ class Budget:
     def __init__(self, limits: ir.Limits) -> None:
         self.limits = limits
         self.shapes = 0
+        self.ruled = 1  # the start, and modules that rules may rewrite
         self.bytes = 0
 
     def take(self, program: ir.Program, production: ir.Production, shapes: int, size: int) -> None:
@@ -92,19 +105,13 @@ class Budget:
         self.bytes += size
         name = told(program, production)
         if self.shapes > self.limits.shapes:
-            raise fail(
-                "limit-shapes",
-                f"the derivation stopped at its limit of {self.limits.shapes:,} shapes: {name} "
-                f"would bring it to {self.shapes:,}",
-                hint="a guard or `steps` ends the growth; `limit shapes` raises the limit",
-            )
+            raise _stopped("shapes", self.limits.shapes, f"shapes: {name}", self.shapes)
         if self.bytes > self.limits.memory:
-            raise fail(
-                "limit-memory",
-                f"the derivation stopped at its limit of {self.limits.memory:,} bytes: {name} "
-                f"would bring it to {self.bytes:,}",
-                hint="a guard or `steps` ends the growth; `limit memory` raises the limit",
-            )
+            raise _stopped("memory", self.limits.memory, f"bytes: {name}", self.bytes)
+
+    def note(self, count: int, silent: Flags | None) -> None:
+        """Note modules whose symbols have rules, without those that draw nothing."""
+        self.ruled += count if silent is None else count - int(np.count_nonzero(silent))
 
     def walk(self, length: int) -> None:
         """Ask for what a turtle needs that walks `length` modules."""
@@ -119,13 +126,19 @@ class Budget:
 
 
 class Rewriter:
-    """A bound program, ready to rewrite batches of its symbols."""
+    """A bound program, ready to rewrite batches of its symbols. `draws`: where the choices of
+    productions come from, or are noted.
+    """
 
-    def __init__(self, bound: Bound, budget: Budget) -> None:
+    def __init__(
+        self, bound: Bound, budget: Budget, draws: Replay | Recording | None = None
+    ) -> None:
         self.bound = bound
+        self.draws = draws
         self.program = bound.program
         self.budget = budget
         self.keyed = [_needs_keys(symbol) for symbol in self.program.symbols]
+        self._ruled = [bool(own.productions or own.interpretation) for own in self.program.symbols]
 
     def axiom(self, seed: int) -> Block:
         """The axiom's modules, from the seed's root key."""
@@ -134,39 +147,53 @@ class Rewriter:
         return Block(np.zeros(1, np.int64), self._body(-1, self.program.axiom, batch))
 
     def step(
-        self, batch: Batch, symbol: int, numbers: Sequence[int], match: Match | None, rest: Rest
+        self,
+        batch: Batch,
+        symbol: int,
+        numbers: tuple[int, ...],
+        match: Match | None,
+        rest: Rest,
+        place: Whole,
     ) -> list[Block]:
         """Blocks that cover every shape of the batch; `rest` says what becomes of a module for
-        which no production is taken.
+        which no production is taken. `place` orders the shapes where draws are noted or known.
         """
-        taken, left = self._choose(batch, numbers, match)
-        blocks = [
-            Block(each.rows, self._body(each.production, self._production(each), each.batch))
-            for each in taken
-        ]
+        taken, left = self._choose(batch, numbers, match, place)
+        blocks = [Block(each.rows, self._successor(each)) for each in taken]
         if not len(left):
             return blocks
         if rest == "refuse":
-            raise fail(
-                "no-production",
-                f"no production of {module(batch, symbol, int(left[0]))} applies"
-                + (f", nor of {len(left) - 1:,} more" if len(left) > 1 else ""),
-                hint=f"write `{self.program.symbols[symbol].name} : else --> nil` to end silently",
-            )
-        return [*blocks, Block(left, [_stayed(batch.take(left), symbol, rest)])]
+            raise ShapeError(self._none(batch, symbol, left), int(left[0]))
+        kept = batch.take(left)
+        self.budget.note(kept.count, kept.silent)
+        return [*blocks, Block(left, [_stayed(kept, symbol, rest)])]
+
+    def _none(self, batch: Batch, symbol: int, left: Whole) -> IpmError:
+        more = f", nor of {len(left) - 1:,} more" if len(left) > 1 else ""
+        return fail(
+            "no-production",
+            f"no production of {module(batch, symbol, int(left[0]))} applies{more}",
+            hint=f"write `{self.program.symbols[symbol].name} : else --> nil` to end silently",
+        )
+
+    def _successor(self, taken: Taken) -> list[Item]:
+        production = self.program.productions[taken.production]
+        try:
+            return self._body(taken.production, production, taken.batch)
+        except ShapeError as found:
+            raise ShapeError(found.error, int(taken.rows[found.row])) from found
 
     def _choose(
-        self, batch: Batch, numbers: Sequence[int], match: Match | None
+        self, batch: Batch, numbers: tuple[int, ...], match: Match | None, place: Whole
     ) -> tuple[list[Taken], Whole]:
         first = self.program.productions[numbers[0]]
         free = first.chance is None and first.guard is None
         if free and not first.left and not first.right:
             every = np.arange(batch.count)
             return [Taken(numbers[0], every, fresh(batch))], every[:0]
+        if self.draws is not None:
+            return self.draws.choose(batch, numbers, match, place)
         return Choice(batch, numbers, match).walk()
-
-    def _production(self, taken: Taken) -> ir.Production:
-        return self.program.productions[taken.production]
 
     def _body(self, number: int, production: ir.Production, batch: Batch) -> list[Item]:
         size = sum(self._bytes(each) for each in production.body)
@@ -196,21 +223,23 @@ class Rewriter:
         params = tuple(batch.get(register) for register in each.args)
         for value in params:
             if not (isfinite(value) if isinstance(value, float) else np.isfinite(value).all()):
-                raise fail(
-                    "not-a-number",
-                    f"{told(self.program, production)}: an argument of "
-                    f"{self.program.symbols[each.const].name} is not a finite number",
-                )
+                name = self.program.symbols[each.const].name
+                raise self._not_finite(production, f"an argument of {name} is not a", value)
         k0 = k1 = no_words()
         if self.keyed[each.const]:
             k0, k1 = keys.child(batch.k0, batch.k1, each.site, *batch.numbers())
+        if self._ruled[each.const]:
+            self.budget.note(batch.count, batch.silent)
         return Modules(each.const, batch.count, params, k0, k1, number, batch.silent)
 
     def _copies(
         self, number: int, production: ir.Production, each: ir.Instruction, batch: Batch
     ) -> Copies:
         assert isinstance(each.const, int)
-        counts = copies_of(np.asarray(batch.column(each.args[0])))
+        limit = batch.column(each.args[0])
+        if not np.isfinite(limit).all():
+            raise self._not_finite(production, "the count of a repeat is no", limit)
+        counts = copies_of(limit)
         total = int(min(counts.sum(), 2**62))
         size = sum(self._bytes(inner) for inner in each.body)
         shapes = sum(inner.op in ("module", "open", "close") for inner in each.body)
@@ -218,7 +247,16 @@ class Rewriter:
         whole = counts.astype(np.int64)
         inner = batch.repeated(each.const, whole, each.args[1:])
         assert inner.owner is not None
-        return Copies(inner.owner, whole, self._items(number, production, each.body, inner))
+        try:
+            items = self._items(number, production, each.body, inner)
+        except ShapeError as found:
+            raise ShapeError(found.error, int(inner.owner[found.row])) from found
+        return Copies(inner.owner, whole, items)
+
+    def _not_finite(self, production: ir.Production, what: str, value: Value) -> ShapeError:
+        """The error of a number that is none, at the first row that has one."""
+        error = fail("not-a-number", f"{told(self.program, production)}: {what} finite number")
+        return ShapeError(error, int(np.argmin(np.isfinite(np.atleast_1d(value)))))
 
     def _bytes(self, each: ir.Instruction) -> int:
         """What one row of an instruction may cost until the string is laid out."""

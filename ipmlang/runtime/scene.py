@@ -66,12 +66,35 @@ class Instances:
 @dataclass(frozen=True, slots=True)
 class PenStyle:
     """What a pen sets beside width, colour and layer. `css`: SVG declarations that override the
-    asset's own; `effect`: a `<g>` of the parts file that wraps the run; `material`: a name (3-D).
+    asset's own; `material`: a name (3-D).
     """
 
     css: str = ""
-    effect: AssetRef | None = None
     material: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Groups:
+    """Every application of `effect`, m of them, in no order.
+
+    of: (n,) int32 the innermost group of each instance, -1 outside all; parent: (m,) int32 the
+    group around each, -1 for none; effect: (m,) int32 into `effects`, the `<g>` of a parts file
+    that makes it (None: nothing). position (m, 3), rotation (m, 4), scale (m,): the frame that it
+    is anchored in, as in `Instances`; layer: (m,) paint order of the group among what surrounds it.
+    The instances of a group follow each other in derivation order.
+    """
+
+    of: NDArray[np.int32]
+    parent: NDArray[np.int32]
+    effect: NDArray[np.int32]
+    effects: tuple[AssetRef | None, ...]
+    position: NDArray[np.float64]
+    rotation: NDArray[np.float64]
+    scale: NDArray[np.float64]
+    layer: NDArray[np.float64]
+
+    def __len__(self) -> int:
+        return len(self.parent)
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +109,8 @@ class Origin:
 @dataclass(slots=True, eq=False)
 class Scene:
     """Everything an exporter needs. `flat`: nothing leaves z = 0. `canvas`: x, y, width,
-    height, y up.
+    height, y up. `shapes`: the start, all modules made whose symbols have rules, and all terminals.
+    `groups`: what `effect` wraps, None where nothing does.
     """
 
     instances: Instances
@@ -105,3 +129,4 @@ class Scene:
     backend: str = "cpu"
     seconds: float = 0.0
     notes: tuple[str, ...] = field(default=())
+    groups: Groups | None = None

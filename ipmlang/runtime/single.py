@@ -8,11 +8,12 @@ scan. Keys and order are those of the batches.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ipmlang.compiler.diagnostics import IpmError
 from ipmlang.runtime import keys
 from ipmlang.runtime.chains import Chain
 from ipmlang.runtime.drawings import Chunk
@@ -68,7 +69,10 @@ class Single:
         chain = frontier.compiled.chain(symbol)
         if chain is not None and self._chained(chain, one):
             return
-        taken = frontier.compiled.choose(numbers)(params, k0, k1)
+        try:
+            taken = frontier.compiled.choose(numbers)(params, k0, k1)
+        except IpmError as found:
+            raise frontier.counted.traced(found, number) from found
         frontier.counted.rule = taken
         if taken < 0:
             self._keep(one)
@@ -104,7 +108,7 @@ class Single:
         self._close()
         counted.at(rule, np.array([number], np.int32))
         counted.deep(generation + count, rule)
-        counted.make(count)
+        counted.make(count - 1)  # all rows but the first; the last row's child is begun below
         owner, counts = np.zeros(count, np.int64), np.array([count], np.int64)
         keyed = (np.array(words0, np.uint32), np.array(words1, np.uint32))
         own = [np.array(column) for column in columns]
@@ -140,6 +144,10 @@ class Single:
         number = self._frontier.begin(symbol, 1)
         self._waiting.append((symbol, self._following, number, *key, rule, params, state))
         return number
+
+    def group(self, text: float, parent: float, state: Mapping[str, float]) -> float:
+        """Begin one group; its number."""
+        return self._frontier.grouping.begin_one(text, parent, state)
 
     def factor(self, value: float) -> None:
         """A scale's factor must be above 0."""

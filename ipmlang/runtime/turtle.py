@@ -15,6 +15,7 @@ import numpy as np
 from ipmlang.compiler import ir
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.runtime import scan
+from ipmlang.runtime.ancestry import ModuleError
 from ipmlang.runtime.bend import BEND, LEVEL, Bending
 from ipmlang.runtime.branches import Branches, Path
 from ipmlang.runtime.choose import told
@@ -28,13 +29,12 @@ def _check_factors(program: ir.Program, act: Act) -> None:
     factors = np.broadcast_to(act.args[0], (len(act.at),))
     bad = np.flatnonzero(~(factors > 0))
     if len(bad):
-        numbers = np.broadcast_to(act.modules.rule, (act.modules.count,))
-        number = int(numbers[bad[0] if act.rows is None else act.rows[bad[0]]])
+        row = int(bad[0] if act.rows is None else act.rows[bad[0]])
+        number = int(np.broadcast_to(act.modules.rule, (act.modules.count,))[row])
         production = program.axiom if number < 0 else program.productions[number]
-        raise fail(
-            "out-of-range",
-            f"{told(program, production)}: `*` needs a factor above 0, and got {factors[bad[0]]:g}",
-        )
+        name, factor = told(program, production), factors[bad[0]]
+        error = fail("out-of-range", f"{name}: `*` needs a factor above 0, and got {factor:g}")
+        raise ModuleError(error, act.modules.symbol, row)
 
 
 class Turtle:
@@ -86,15 +86,20 @@ class Turtle:
         path, total = self._sums(acts, lambda act: act.args[0])
         return total[path.rows(at)]
 
-    def last(self, acts: list[tuple[Act, Value]], start: float, at: Whole) -> Real:
-        """The value, (n,), that the last of some acts before each place has set."""
+    def last(
+        self, acts: list[tuple[Act, Value]], start: float, at: Whole, *, before: bool = False
+    ) -> Real:
+        """The value, (n,), that the last of some acts before each place has set; an act at the
+        place itself counts unless it is `before`.
+        """
         if not acts:
             return np.full(len(at), start)
         path = Path(self._branches, [act.at for act, _ in acts])
         column = np.full(path.count, start)
         for act, value in acts:
             column[path.rows(act.at)] = value
-        return path.resolve((column,), None)[0][path.rows(at)]
+        rows = path.before(at) if before else path.rows(at)
+        return path.resolve((column,), None)[0][rows]
 
     def _sums(self, acts: list[Act], value: Callable[[Act], Value]) -> tuple[Path, Real]:
         path = Path(self._branches, [act.at for act in acts])

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ipmlang.compiler import ir
 from ipmlang.compiler.ops.record import Function
 from ipmlang.runtime import keys
+from ipmlang.runtime.code import as_number, cell_of
 from ipmlang.runtime.keys import Words
 from ipmlang.runtime.scan import Real, Whole
 
@@ -92,7 +93,7 @@ class Batch:
                 assert isinstance(each.const, int)
                 return self.bound.attrs[each.const]
             case "index":
-                return dict(self.copies)[int(str(each.const))].astype(np.float64)
+                return as_number(dict(self.copies)[int(str(each.const))])
             case "row":
                 return self._cell(each)
             case "call":
@@ -113,8 +114,7 @@ class Batch:
         assert isinstance(each.const, tuple)
         number, column = each.const
         cells = self.bound.tables[int(str(number))][:, int(str(column))]
-        index = np.asarray(self.get(each.args[0]))
-        return cells[np.clip(index.astype(np.int64), 0, len(cells) - 1)]
+        return cell_of(cells, self.get(each.args[0]))
 
     def take(self, rows: Whole) -> Batch:
         """The shapes of some rows, with no registers yet."""

@@ -1,7 +1,8 @@
 """Random grammars for property tests: rules with guards, chances, copies, brackets, pens and draws.
 
 In goes a number, out comes the text of a grammar that ends: every call counts its first argument
-down. Nothing in it threads, so every executor can derive it.
+down. Nothing in it threads, so every executor can derive it. With `Setting` or `Written` rules
+change an attribute: by `set`, or by hand through a parameter of every rule, which must be the same.
 """
 
 from __future__ import annotations
@@ -14,26 +15,29 @@ SPACE = ("&({})", "^({})", "/({} * 20)", "at(1, 2, 0.5, 0.6, 0, 0.8, 0.1)", "at(
 
 
 class Grammar:
-    """One grammar under construction."""
+    """One grammar under construction. `_attribute`: how the attribute is read here, if any."""
 
     def __init__(self, seed: int) -> None:
+        self._attribute: str | None = None
         self._random = Random(seed)
         self._commands = PLANE + PENS + (SPACE if self._random.random() < 0.5 else ())
         self._rules = "ABC"[: self._random.randrange(1, 4)]
 
     def text(self) -> str:
         """The whole grammar."""
-        lines = ["ipm 1"]
+        lines = ["ipm 1", *(["attr v = 3"] if self._attribute else [])]
         for name in self._rules:
             lines += self._alternatives(name)
         if self._random.random() < 0.3:
-            lines.append("interpret A(n, x) --> F(n) [+(x) F]")
-        calls = " ".join(f"[{name}({self._random.randrange(1, 5)}, 2)]" for name in self._rules)
+            lines.append(f"interpret {self._head('A')} --> F({self._attribute or 'n'}) [+(x) F]")
+        calls = " ".join(
+            f"[{name}({self._random.randrange(1, 5)}, 2{self._passed()})]" for name in self._rules
+        )
         steps = " steps 3" if self._random.random() < 0.3 else ""
         return "\n".join([*lines, f"start {calls} F{steps}", ""])
 
     def _alternatives(self, name: str) -> list[str]:
-        head = f"{name}(n, x)"
+        head = self._head(name)
         match self._random.randrange(3):
             case 0:
                 guards = ["n > 0", "else"]
@@ -48,10 +52,27 @@ class Grammar:
             for guard, body in zip(guards, [*bodies, last], strict=True)
         ]
 
+    def _head(self, name: str) -> str:
+        return f"{name}(n, x)"
+
+    def _passed(self) -> str:
+        """The attribute as one more argument, where it is handed on by hand."""
+        return ""
+
+    def _set(self, value: str) -> str:
+        """What changes the attribute for the rest of a body."""
+        return f"set (v = {value})"
+
     def _body(self, names: list[str], depth: int, copies: bool = False) -> list[str]:
-        parts = [self._part(names, depth) for _ in range(self._random.randrange(1, 4))]
+        before = self._attribute
+        parts = []
+        for _ in range(self._random.randrange(1, 4)):
+            if self._attribute and self._random.random() < 0.3:
+                parts.append(self._set(f"({self._attribute} * 0.5 + n)"))
+            parts.append(self._part(names, depth))
         if not copies and self._random.random() < 0.5:
             parts.append(self._call(names))  # in tail position, so that it may move
+        self._attribute = before
         return parts
 
     def _part(self, names: list[str], depth: int) -> str:
@@ -70,15 +91,38 @@ class Grammar:
 
     def _call(self, names: list[str]) -> str:
         name = self._random.choice(self._rules)
-        return f"{name}(n - {self._random.choice([1, 1, 1, 2])}, {self._value(names)})"
+        down = self._random.choice([1, 1, 1, 2])
+        return f"{name}(n - {down}, {self._value(names)}{self._passed()})"
 
     def _value(self, names: list[str], depth: int = 0) -> str:
         kind = self._random.random()
         if depth > 1 or kind < 0.35:
             return str(self._random.choice([0.5, 1, 2, 3, 1.5, 7]))
         if kind < 0.65:
-            return self._random.choice(names)
+            return self._random.choice([*names, *([self._attribute] if self._attribute else [])])
         if kind < 0.8:
             return self._random.choice(["rand(0, 4)", "rand(-3, 2)", "irand(0, 3)"])
         parts = [self._value(names, depth + 1) for _ in range(2)]
         return f"({parts[0]} {self._random.choice('+-*')} {parts[1]})"
+
+
+class Setting(Grammar):
+    """A grammar whose rules set an attribute."""
+
+    def __init__(self, seed: int) -> None:
+        super().__init__(seed)
+        self._attribute = "v"
+
+
+class Written(Setting):
+    """The same with the attribute as a parameter."""
+
+    def _head(self, name: str) -> str:
+        return f"{name}(n, x, v)"
+
+    def _passed(self) -> str:
+        return f", {self._attribute}"
+
+    def _set(self, value: str) -> str:
+        self._attribute = value
+        return ""

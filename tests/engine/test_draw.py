@@ -43,10 +43,12 @@ def test_pens_hold_until_their_bracket_closes() -> None:
 
 def test_effects_and_materials_are_references_and_names(parts: Path) -> None:
     scene = drawn('start [effect("x.parts.svg#g1") F] material("brick") F', parts)
-    effect, material = (scene.styles[each] for each in scene.instances.style)
-    assert effect.effect is not None
-    assert (effect.effect.path.name, effect.effect.node) == ("x.parts.svg", "g1")
-    assert (material.effect, material.material) == (None, "brick")
+    assert scene.groups is not None
+    assert scene.groups.of.tolist() == [0, -1]
+    (effect,) = scene.groups.effects
+    assert effect is not None
+    assert (effect.path.name, effect.node) == ("x.parts.svg", "g1")
+    assert [scene.styles[each].material for each in scene.instances.style] == ["", "brick"]
 
 
 def test_a_polygon_has_the_ends_of_its_edges_as_corners() -> None:

@@ -109,6 +109,12 @@ def by_frontier(program: ir.Program, attrs: tuple[float, ...], seed: int) -> Sce
     return scene
 
 
+def assert_counted_alike(batched: Scene, string: Scene) -> None:
+    """Both executors say the same about how much was derived."""
+    assert batched.shapes == string.shapes
+    assert batched.generations == string.generations
+
+
 def assert_same(scene: Scene, rows: list[Row]) -> None:
     found = scene.instances
     axiom = len(scene.rules) - 1
@@ -143,6 +149,7 @@ def test_strings_agree_with_the_naive_derivation(name: str) -> None:
     program, attrs = bound(GRAMMARS[name], 3)
     scene = derive_string(program, attrs, 3, program.limits)
     assert_same(scene, oracle(program, attrs, 3))
+    assert_counted_alike(by_frontier(program, attrs, 3), scene)
 
 
 @pytest.mark.parametrize("name", GRAMMARS)
@@ -176,8 +183,11 @@ def test_random_grammars_agree(seed: int, monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(single, "WIDE", wide)
     monkeypatch.setattr(pending, "CHUNK", chunk)
     rows = oracle(program, attrs, seed)
-    assert_same(by_frontier(program, attrs, seed), rows)
-    assert_same(derive_string(program, attrs, seed, program.limits), rows)
+    batched = by_frontier(program, attrs, seed)
+    string = derive_string(program, attrs, seed, program.limits)
+    assert_same(batched, rows)
+    assert_same(string, rows)
+    assert_counted_alike(batched, string)
 
 
 def test_a_long_tail_runs_as_a_chain(monkeypatch: pytest.MonkeyPatch) -> None:

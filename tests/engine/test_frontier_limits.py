@@ -87,7 +87,7 @@ def test_many_shapes_without_a_production_are_counted() -> None:
 
 def test_percentages_over_a_hundred_are_an_error() -> None:
     found = failure("A(p) : 60% --> F\nA(p) : p % --> f\nA(p) : else --> nil\nstart A(70)\n")
-    assert found.code == "percent-over"
+    assert found.code == "over-100-percent"
     assert "130" in found.message
 
 

@@ -21,6 +21,7 @@ from ipmlang.runtime.scene import (
     SCOPE,
     SEGMENT,
     AssetRef,
+    Groups,
     Instances,
     Origin,
     PenStyle,
@@ -170,9 +171,12 @@ def test_an_effect_wraps_its_run(parts: Path, tmp_path: Path) -> None:
     """Rows with one effect are in one group, which comes back from the file."""
     table = instances(3, SEGMENT)
     table.size[:, 0] = 7
-    table.style[:] = [0, 1, 1]
-    wrap = PenStyle(effect=AssetRef("clip", parts, "clip"))
-    made = scene(table, styles=(PenStyle(), wrap), canvas=(0, 0, 9, 9))
+    frame = np.zeros((1, 3)), np.array([[1.0, 0, 0, 0]]), np.ones(1)
+    one = np.zeros(1, np.int32)
+    effect = AssetRef("clip", parts, "clip")
+    of = np.array([-1, 0, 0], np.int32)
+    groups = Groups(of, one - 1, one, (effect,), *frame, np.zeros(1))
+    made = scene(table, groups=groups, canvas=(0, 0, 9, 9))
     save(made, tmp_path / "o.svg")
     found = read_svg(tmp_path / "o.svg")
     assert [len(each.style.effects) for each in found.elements] == [0, 1, 1]

@@ -155,6 +155,7 @@ DECLARATIONS = st.one_of(
     st.builds(ast.Limit, SETTINGS),
     st.builds(ast.Tropism, EXPRESSIONS, EXPRESSIONS),
     st.builds(ast.Ignore, tuples(SYMBOLS, 1)),
+    st.builds(ast.Residual, NAMES),
     st.builds(ast.Canvas, tuples(EXPRESSIONS, 4, 4), st.none() | TEXTS, st.none() | TEXTS),
     st.builds(ast.Axes, st.sampled_from(["y-up", "z-up"])),
     st.builds(ast.Site, PLAIN, TEXTS, st.none() | EXPRESSIONS),

@@ -219,12 +219,13 @@ def _repeat(scope: Scope, repeat: ast.Repeat, certain: bool) -> None:
             count = constant(limit)
             certain = certain and count is not None and count >= 1
         case ast.Rows(variable, table):
-            inner = scope.inner(variable, _row(scope, repeat.head, table))
+            inner = scope.inner(variable, Row(table, columns_of(scope, table, repeat.head.span)))
             certain = False
         case _:
             assert_never(repeat.head)
     if repeat.rows is not None:
-        bound = _row(scope, repeat.rows, repeat.rows.table)
+        table = repeat.rows.table
+        bound = Row(table, columns_of(scope, table, repeat.rows.span))
         inner = inner.inner(repeat.rows.variable, bound)
     for hole in repeat.holes:
         want(scope, hole, "int", "a hole of a `repeat`")
@@ -233,25 +234,26 @@ def _repeat(scope: Scope, repeat: ast.Repeat, certain: bool) -> None:
     check_body(inner, repeat.body, certain)
 
 
-def _row(scope: Scope, rows: ast.Rows, table: str) -> Row:
+def columns_of(scope: Scope, table: str, span: ast.Span) -> tuple[str, ...] | None:
+    """The columns of a table that is read at a place; None where they are not known."""
     entry = scope.view.value(table)
     if entry is not None and entry.kind == "broken":
-        return Row(table, None)
+        return None
     if entry is not None and entry.kind == "table":
-        scope.findings.reads.setdefault(table, rows.span)
-        return Row(table, entry.columns)
+        scope.findings.reads.setdefault(table, span)
+        return entry.columns
     if entry is not None:
         message = f"`{table}` is {article(entry.kind)}, not a table"
     else:
         message = f"no table is called `{table}`"
     tables = [name for name, each in scope.view.environment.values.items() if each.kind == "table"]
     scope.findings.trouble(
-        rows.span,
+        span,
         "unknown-table",
         message,
         suggestions=scope.view.environment.nearest("table", table, tables),
     )
-    return Row(table, None)
+    return None
 
 
 def _assign(scope: Scope, element: ast.Assign, name: str, value: ast.Expr) -> None:

@@ -6,7 +6,7 @@ function here takes one look over all items and is linear in their number.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass
 
 from ipmlang.compiler import ast
@@ -143,15 +143,8 @@ def _versions(group: Group) -> Iterator[Diagnostic]:
 
 
 def _starts(group: Group) -> Iterator[Diagnostic]:
-    starts = [index for index, item in group.environment.others if isinstance(item, ast.Start)]
-    for index in starts[1:]:
-        yield group.diagnostic(
-            index,
-            _place(group, index),
-            "two-starts",
-            "a grammar has one `start`, this is another",
-            other=(starts[0], _place(group, starts[0]), "the first"),
-        )
+    yield from _seconds(group, ast.Residual, "residual")
+    starts = yield from _seconds(group, ast.Start, "start")
     if not starts and not group.file.problems:
         end = len(group.file.source.text.rstrip())
         yield Diagnostic(
@@ -163,6 +156,22 @@ def _starts(group: Group) -> Iterator[Diagnostic]:
             end,
             hint="add a line such as: start Fence",
         )
+
+
+def _seconds(
+    group: Group, kind: type[ast.Item], word: str
+) -> Generator[Diagnostic, None, list[int]]:
+    """All items of a kind of which there is one, an error at each but the first."""
+    found = [index for index, item in group.environment.others if isinstance(item, kind)]
+    for index in found[1:]:
+        yield group.diagnostic(
+            index,
+            _place(group, index),
+            f"two-{word}s",
+            f"a grammar has one `{word}`, this is another",
+            other=(found[0], _place(group, found[0]), "the first"),
+        )
+    return found
 
 
 # ----------------------------------------------------------------- rules of one symbol

@@ -23,6 +23,7 @@ from ipmlang.compiler.checking.expressions import (
     want,
 )
 from ipmlang.compiler.checking.findings import Findings
+from ipmlang.compiler.checking.residuals import check_residual
 from ipmlang.compiler.checking.starts import check_start
 from ipmlang.compiler.diagnostics import nearest
 from ipmlang.compiler.ops import CONSTANTS, FUNCTIONS, SETTINGS
@@ -57,6 +58,8 @@ def check_item(environment: Environment, item: ast.Item) -> Findings:
             want(scope, elasticity, "number", "the strength of a tropism")
         case ast.Canvas():
             _canvas(scope, item)
+        case ast.Residual():
+            check_residual(scope, item)
         case ast.Site(radius=radius) if radius is not None:
             want(scope, radius, "number", "a radius")
             _above_zero(scope, radius, "a radius")

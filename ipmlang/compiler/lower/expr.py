@@ -68,17 +68,21 @@ class Pool:
 
 @dataclass(slots=True, eq=False)
 class Counter:
-    """The next register and the next site of one production."""
+    """The next register and the next site of one production. `changes`: for the site of a module
+    behind a `set`, the registers of the attributes' new values.
+    """
 
     register: int = 0
     site: int = 0
+    changes: dict[int, dict[int, int]] = field(default_factory=dict)
 
 
 class Code:
     """Code under construction, in one block of a production: its body, or that of a repeat.
 
     `unit` and `item` are where names are looked up and errors are reported. A block within another
-    reads its registers; constants, parameters and attributes are loaded once a block.
+    reads its registers; constants, parameters and attributes are loaded once a block. `changed`:
+    the attributes that a `set` has changed for what is written next.
     """
 
     def __init__(
@@ -94,6 +98,7 @@ class Code:
         self.item = item
         self.counter = counter or Counter()
         self.instructions: list[ir.Instruction] = []
+        self.changed: dict[int, Operand] = {} if outer is None else dict(outer.changed)
         self._outer = outer
         self._loaded: dict[_Key, int] = {}
         self._inlining: list[str] = []
@@ -118,6 +123,9 @@ class Code:
         registers = tuple(self.register(arg) for arg in args)
         place = (span.start, span.end)
         made = ir.Instruction("module", -1, registers, symbol, self.site(), span=place)
+        if self.changed:
+            behind = {attr: self.register(value) for attr, value in self.changed.items()}
+            self.counter.changes[made.site] = behind
         self.instructions.append(made)
 
     def act(self, op: ir.Opcode, args: Sequence[Operand] = (), const: ir.Const = None) -> None:
@@ -240,7 +248,7 @@ class Code:
                 case ast.Attr() as item:
                     number = self.pool.attrs.get(place.unit.prefix + item.name)
                     if number is not None:
-                        return self.load("attr", number)
+                        return self.changed.get(number) or self.load("attr", number)
                 case _:
                     pass
         if expr.id in CONSTANTS:

@@ -44,7 +44,8 @@ class Body:
         self._repeats = 0
 
     def write(self, code: Code, elements: Sequence[ast.Element], names: Environment) -> None:
-        """Append the elements to the code."""
+        """Append the elements to the code; what they `set` ends with them."""
+        before = dict(code.changed)
         for element in elements:
             match element:
                 case ast.Module():
@@ -64,9 +65,19 @@ class Body:
                     self._namer.refuse(code, element.span, element.target.name)
                     self._reach(code, [part.body for part in element.parts], names)
                 case ast.Assign():
-                    self._namer.refuse(code, element.span, "set")
+                    code.changed[self._attribute(code, element)] = code.value(element.value, names)
                 case _:
                     assert_never(element)
+        code.changed = before
+
+    def _attribute(self, code: Code, element: ast.Assign) -> int:
+        """The number of the attribute that a `set` changes."""
+        place = code.unit.find(element.name)
+        item = None if place is None else place.unit.grammar.items[place.item]
+        if place is None or not isinstance(item, ast.Attr):
+            message = f"no attribute is called `{element.name}`"
+            raise code.error(element.span, "not-an-attribute", message)
+        return code.pool.attrs[place.unit.prefix + item.name]
 
     def _module(self, code: Code, module: ast.Module, names: Environment) -> None:
         symbol = self._namer.symbol(code.unit, module.name, len(module.args))

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ipmlang.compiler import ast, ir
+from ipmlang.compiler.lower.carrying import Changes
 from ipmlang.compiler.lower.expr import Code, Counter, Environment, Load, Pool
 from ipmlang.compiler.lower.lsystem import Body, Namer
 from ipmlang.compiler.lower.names import Unit
@@ -20,8 +21,8 @@ CHANCE_SITE = 0x20000000
 
 def production(
     pool: Pool, namer: Namer, unit: Unit, item: int, symbol: int, rule: ast.Rule
-) -> ir.Production:
-    """The production of a rule."""
+) -> tuple[ir.Production, Changes]:
+    """The production of a rule, and which of its modules stand behind a `set`."""
     counter = Counter()
     modules: list[ast.ContextModule | ast.Head] = [
         *_modules(rule.head.left),
@@ -43,7 +44,7 @@ def production(
     counter.site = 0
     code = Code(pool, unit, item, counter)
     Body(namer).write(code, rule.body, names)
-    return ir.Production(
+    made = ir.Production(
         symbol,
         tuple(code.instructions),
         counter.register,
@@ -57,15 +58,16 @@ def production(
         unit.source.path,
         unit.line(item),
     )
+    return made, counter.changes
 
 
 def axiom(
     pool: Pool, namer: Namer, unit: Unit, item: int, elements: Sequence[ast.Element]
-) -> ir.Production:
-    """The production of the start."""
+) -> tuple[ir.Production, Changes]:
+    """The production of the start, and which of its modules stand behind a `set`."""
     code = Code(pool, unit, item)
     Body(namer).write(code, elements, {})
-    return ir.Production(
+    made = ir.Production(
         -1,
         tuple(code.instructions),
         code.counter.register,
@@ -73,6 +75,7 @@ def axiom(
         path=unit.source.path,
         line=unit.line(item),
     )
+    return made, code.counter.changes
 
 
 def _value(

@@ -13,6 +13,7 @@ from typing import Literal
 from ipmlang.compiler import ast, ir
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail
 from ipmlang.compiler.lower import analysis, settings
+from ipmlang.compiler.lower.carrying import Changes, carried
 from ipmlang.compiler.lower.expr import Code, Pool
 from ipmlang.compiler.lower.meaning import Meanings, steps_of
 from ipmlang.compiler.lower.names import Unit
@@ -38,6 +39,7 @@ class Lowering:
         self._symbols: list[ir.Symbol] = []
         self._waiting: deque[tuple[int, Unit, str]] = deque()
         self._productions: list[ir.Production] = []
+        self._changes: list[Changes] = []
         self._assets: list[ir.AssetFile] = []
         self._refused: dict[str, list[Diagnostic]] = {}
 
@@ -45,7 +47,7 @@ class Lowering:
         """The program, or an error that names all that is not executable yet."""
         number, start = self._start()
         elements = (*settings.prelude(self._turtle), *start.axiom)
-        first = axiom(self._pool, self, self._main, number, elements)
+        first, behind = axiom(self._pool, self, self._main, number, elements)
         while self._waiting:
             self._lower_rules(*self._waiting.popleft())
         steps = None
@@ -56,12 +58,17 @@ class Lowering:
         ignored = self._ignored()
         self._refuse_options(number, start)
         self._raise_refused()
-        tropism = settings.tropism(self._pool, self._main)
-        found = analysis.Analysis(self._symbols, self._productions, start.steps is not None)
+        fixed = settings.fixed(self._pool, self._main)
+        tropism = fixed.tropism
+        made = carried(self._symbols, self._productions, first, (*self._changes, behind))
+        first = made.axiom
+        found = analysis.Analysis(made.symbols, made.productions, start.steps is not None)
         canvas, size = settings.canvas(self._pool, self._main)
+        flat = analysis.flat(made.symbols, tropism)
+        residual = self._residual(flat)
         return ir.Program(
             found.symbols(),
-            tuple(self._productions),
+            made.productions,
             first,
             self._attrs,
             tuple(self._tables.data),
@@ -69,16 +76,18 @@ class Lowering:
             tuple(self._pool.strings),
             steps,
             found.threaded(first),
-            analysis.flat(self._symbols, tropism),
+            flat,
             settings.is_abop(self._turtle),
             tropism,
             ignored,
-            settings.limits(self._pool, self._main),
+            fixed.limits,
             canvas,
             size,
             self._up(),
             settings.pen_width(self._pool, self._main, self._turtle),
             start.choices,
+            residual,
+            fixed.late,
             self._main.source.path,
         )
 
@@ -183,9 +192,10 @@ class Lowering:
             rule = unit.grammar.items[item]
             assert isinstance(rule, ast.Rule)
             if len(rule.head.parameters) == arity:
-                made = production(self._pool, self, unit, item, number, rule)
+                made, behind = production(self._pool, self, unit, item, number, rule)
                 numbers.append(len(self._productions))
                 self._productions.append(made)
+                self._changes.append(behind)
         return tuple(numbers)
 
     def _asset(self, unit: Unit, name: str, asset: ast.Asset) -> int:
@@ -213,6 +223,22 @@ class Lowering:
         }
         return frozenset(i for i, symbol in enumerate(self._symbols) if symbol.name in names)
 
+    def _residual(self, flat: bool) -> ir.Residual | None:
+        for number, item in self._main.items(ast.Residual):
+            place = self._main.find(item.table)
+            assert place is not None  # the checker has seen to it
+            table = self._tables.number(place)
+            mistyped = self._tables.mistyped(table, ir.RESIDUAL_TEXTS)
+            if mistyped is not None:
+                kinds = "texts" if mistyped in ir.RESIDUAL_TEXTS else "numbers"
+                message = f"the column `{mistyped}` of a residual holds {kinds} alone"
+                raise self._main.error(number, item.span, "wrong-type", message)
+            if flat and "z" in self._tables.data[table].columns:
+                message = "a residual in `z` needs a program in space, and nothing leaves the plane"
+                raise self._main.error(number, item.span, "not-in-space", message)
+            return ir.Residual(table)
+        return None
+
     def _up(self) -> Literal["y-up", "z-up"]:
         items = [item for _, item in self._main.items(ast.Axes)]
         return items[-1].up if items else "z-up"
@@ -221,7 +247,6 @@ class Lowering:
         options = {
             "on": start.place, "seeds": start.seeds, "direction": start.direction,
             "with": start.sites or None, "avoiding": start.avoiding, "retries": start.retries,
-            "choices": start.choices,
         }  # fmt: skip
         for word, value in options.items():
             if value is not None:

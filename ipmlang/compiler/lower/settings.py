@@ -1,21 +1,24 @@
 """The settings of a program: attributes, turtle, limits, canvas, tropism.
 
-In go the items of its files, out come the fields of a program. Numbers that an executor must know
-before it starts are computed here; one that is not known is an error at its place.
+In go the items of its files, out come the fields of a program. Numbers that are known are computed
+here; those of a tropism or a limit that attributes decide become code, any other is an error.
 """
 
 from __future__ import annotations
 
+import math
 import zlib
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from ipmlang.compiler import ast, ir
-from ipmlang.compiler.lower.expr import Code, Known, Pool
+from ipmlang.compiler.lower.expr import Code, Known, Operand, Pool
 from ipmlang.compiler.lower.meaning import Settings
 from ipmlang.compiler.lower.names import Unit
 
 ATTR_SITE = 0x30000000
+LATE_SITE = 0x28000000
 
 
 def attributes(pool: Pool, units: Sequence[Unit]) -> tuple[ir.Attribute, ...]:
@@ -146,29 +149,66 @@ def pen_width(pool: Pool, unit: Unit, settings: Settings) -> float | None:
     return _number(pool, unit, item, width) if isinstance(width, ast.Number) else None
 
 
-def limits(pool: Pool, unit: Unit) -> ir.Limits:
-    """Where a derivation stops."""
-    found = {
-        setting.key: int(_number(pool, unit, number, setting.value))
-        for number, item in unit.items(ast.Limit)
-        for setting in item.settings
-    }
-    plain = ir.Limits()
-    return ir.Limits(
-        found.get("shapes", plain.shapes),
-        found.get("steps", plain.steps),
-        found.get("depth", plain.depth),
-        found.get("memory", plain.memory),
+Four = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Fixed:
+    """The limits and the tropism of a program as far as they are known; what only attributes decide
+    is `late`, and a tropism of that kind NaN where it is not known.
+    """
+
+    limits: ir.Limits
+    tropism: Four | None
+    late: ir.Late | None
+
+
+def fixed(pool: Pool, unit: Unit) -> Fixed:
+    """Where a derivation stops, and what bends its segments."""
+    code = Code(pool, unit, -1)
+    code.counter.site = LATE_SITE
+    known, registers = _limits(code, unit)
+    tropism = _tropism(code, unit)
+    bent = None
+    if tropism is not None and not all(isinstance(each, Known) for each in tropism):
+        x, y, z, elasticity = (code.register(each) for each in tropism)
+        bent = (x, y, z, elasticity)
+    late = ir.Late(tuple(code.instructions), code.counter.register, bent, tuple(registers.items()))
+    return Fixed(
+        replace(ir.Limits(), **known),
+        None if tropism is None else _values(tropism),
+        late if bent or registers else None,
     )
 
 
-def tropism(pool: Pool, unit: Unit) -> tuple[float, float, float, float] | None:
+def _values(operands: tuple[Operand, Operand, Operand, Operand]) -> Four:
+    x, y, z, elasticity = (each.value if isinstance(each, Known) else math.nan for each in operands)
+    return x, y, z, elasticity
+
+
+def _limits(code: Code, unit: Unit) -> tuple[dict[str, int], dict[str, int]]:
+    """The limits that are known, and the registers of the others."""
+    known: dict[str, int] = {}
+    registers: dict[str, int] = {}
+    for number, item in unit.items(ast.Limit):
+        for setting in item.settings:
+            code.item = number
+            operand = code.value(setting.value, {})
+            if isinstance(operand, Known):
+                known[setting.key] = int(operand.value)
+            else:
+                registers[setting.key] = code.register(operand)
+    return known, registers
+
+
+def _tropism(code: Code, unit: Unit) -> tuple[Operand, Operand, Operand, Operand] | None:
     """The vector and the elasticity of the last `tropism` item."""
     for number, item in reversed(list(unit.items(ast.Tropism))):
+        code.item = number
         parts = item.vector.items if isinstance(item.vector, ast.Tuple) else (item.vector,)
-        vector = [_number(pool, unit, number, part) for part in parts]
-        x, y, z = (*vector, 0.0, 0.0, 0.0)[:3]
-        return x, y, z, _number(pool, unit, number, item.elasticity)
+        vector = [code.value(part, {}) for part in parts]
+        x, y, z = (*vector, *[code.number(0)] * 3)[:3]
+        return x, y, z, code.value(item.elasticity, {})
     return None
 
 

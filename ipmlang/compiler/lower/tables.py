@@ -37,6 +37,16 @@ class Tables:
         data = ir.TableData("", ("step",), frozenset(), tuple((each,) for each in lengths))
         return self.data.index(data) if data in self.data else self._add(data)
 
+    def mistyped(self, number: int, texts: Sequence[str]) -> str | None:
+        """The first column that should hold `texts` and does not, or the other way about."""
+        table = self.data[number]
+        wrong = [
+            name
+            for name in table.columns
+            if table.rows and (name in texts) != (name in table.text_columns)
+        ]
+        return wrong[0] if wrong else None
+
     def _add(self, data: ir.TableData) -> int:
         self.data.append(data)
         return len(self.data) - 1

@@ -69,8 +69,9 @@ TABLE = (
         "effect",
         "pen",
         "pen",
-        "Wrap the run in a group of a parts file, with its clipping, mask or filter: "
-        '`effect("fence.parts.svg#g1")`.',
+        "Wrap what follows in the same bracket in a group of a parts file, with its clip, mask, "
+        'filter or opacity: `[effect("fence.parts.svg#g1") A B]`. The group lies in the frame in '
+        "which the operation stands; each time it is met, it begins a group of its own.",
         forms=((Param("value", "string", suffixes=(".svg",)),),),
         meaning=((Step("pen", ("value",), "effect"),),),
         refused=("effect", "effect(1)", 'effect("nowhere.parts.svg#g1")'),
@@ -86,7 +87,8 @@ TABLE = (
         "layer",
         "pen",
         "pen",
-        "Raise the paint order of all that follows by `steps`; ties keep derivation order.",
+        "Raise the paint order of all that follows by `steps`; ties keep derivation order. A group "
+        "that `effect` makes is painted whole, where it began; layers inside order what is in it.",
         forms=((Param("steps"),),),
         meaning=((Step("layer", ("steps",)),),),
         examples=("layer(1) F", "layer(-2) F"),

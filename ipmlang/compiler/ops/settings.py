@@ -15,7 +15,9 @@ TABLE = (
     SettingRecord("turtle", "frame", "string",
                   "`abop` starts a 3-D turtle as the book does: heading +x, left +y, up +z.",
                   None, words=("abop",)),
-    SettingRecord("limit", "shapes", "int", "Most shapes that a derivation may make in all.",
+    SettingRecord("limit", "shapes", "int",
+                  "Most shapes that a derivation may make in all; where modules thread, operations "
+                  "and brackets count, too.",
                   50_000_000.0, above=0),
     SettingRecord("limit", "steps", "int", "Most generations.", 200_000.0, above=0),
     SettingRecord("limit", "depth", "int", "Greatest depth of the derivation tree.",

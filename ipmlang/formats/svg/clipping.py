@@ -1,7 +1,8 @@
-"""Which elements a viewport really clips: what lies within it, pen included, needs no clip.
+"""Which viewports really clip: where all that one holds lies within it, pens included, its clip
+can go.
 
-Takes what was placed and its outlines in the world; gives the (wrap, element) pairs that can go.
-Clipping element by element is the same as clipping the group, unless a group inside is composited.
+Takes what was placed and its outlines in the world; gives the (wrap, element) pairs that can go. A
+viewport is kept or dropped whole, since copies of one symbol should stay alike.
 """
 
 from __future__ import annotations
@@ -30,22 +31,18 @@ _SLACK = 1e-9
 def needless_clips(
     placed: Sequence[Placed], outlines: Sequence[Outline | None]
 ) -> set[tuple[Wrap, int]]:
-    """Pairs of a viewport's wrap and the index of an element that lies within that viewport."""
+    """Pairs of a viewport's wrap and the index of an element, where it clips nothing."""
     held: dict[Wrap, list[int]] = {}
-    separable: dict[Wrap, bool] = {}
     for index, one in enumerate(placed):
-        merges = True
-        for wrap in reversed(one.wraps):
+        for wrap in one.wraps:
             if wrap.viewport is not None:
                 held.setdefault(wrap, []).append(index)
-                separable[wrap] = merges and separable.get(wrap, True)
-            merges = merges and wrap.mergeable
     tips = _Tips(placed, outlines)
     needless: set[tuple[Wrap, int]] = set()
     for wrap, indices in held.items():
         inside = _within(wrap, indices, placed, outlines, tips)
-        if separable[wrap] or len(inside) == len(indices):
-            needless.update((wrap, index) for index in inside)
+        if len(inside) == len(indices):
+            needless.update((wrap, index) for index in indices)
     return needless
 
 

@@ -59,7 +59,7 @@ def read_node(path: Path | str, node_id: str, *, limits: Limits | None = None) -
 
 
 def read_nodes(
-    path: Path | str, node_ids: Iterable[str], *, limits: Limits | None = None
+    path: Path | str | bytes, node_ids: Iterable[str], *, limits: Limits | None = None
 ) -> dict[str, Drawing]:
     """The same for many elements of one file, which is taken apart once."""
     opened = _open(path, limits or Limits())

@@ -16,6 +16,11 @@ from numpy.typing import NDArray
 from ipmlang.formats.drawing import ARC, CUBIC, LINE, QUADRATIC, Outline
 from ipmlang.inverse.lsystem.frames import Complexes, Floats, Frames, mirrored
 
+# Which of the four points of each kind of segment are places, which stay when a curve is moved.
+PLACES = np.zeros((5, 4))
+for _code, _used in ((LINE, 2), (QUADRATIC, 3), (CUBIC, 4), (ARC, 1)):
+    PLACES[_code, :_used] = 1.0
+
 Integers = NDArray[np.int64]
 Booleans = NDArray[np.bool_]
 
@@ -134,9 +139,7 @@ def moved(outline: Outline, frame: Frames) -> Outline:
 def outline_at(curves: Curves, element: int, like: Outline, origin: complex) -> Outline:
     """One element as an outline about an origin, with the subpaths of `like`, its source."""
     rows = slice(int(curves.offsets[element]), int(curves.offsets[element + 1]))
-    points = curves.points[rows].copy()
-    for code, used in ((LINE, 2), (QUADRATIC, 3), (CUBIC, 4), (ARC, 1)):
-        points[like.kind == code, :used] -= origin
+    points = curves.points[rows] - origin * PLACES[like.kind]
     return Outline(like.kind, _pairs(points), like.starts, like.closed)
 
 
@@ -159,4 +162,4 @@ def _single(kind: int, coords: Floats, closed: bool) -> Outline:
 
 
 def _pairs(points: Complexes) -> Floats:
-    return np.stack([points.real, points.imag], axis=-1)
+    return np.ascontiguousarray(points).view(np.float64).reshape(*points.shape, 2)

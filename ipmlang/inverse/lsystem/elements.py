@@ -8,7 +8,7 @@ everything else by `shapes`. Nothing here reads styles or looks for patterns.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -27,6 +27,7 @@ from ipmlang.inverse.lsystem.curves import (
 )
 from ipmlang.inverse.lsystem.ellipses import Ellipses, find_ellipses
 from ipmlang.inverse.lsystem.frames import Complexes, Floats, Frames, apply, frames, join, unit
+from ipmlang.inverse.lsystem.segments import LIMIT, fewest_segments
 from ipmlang.inverse.lsystem.shapes import Group, group_paths
 from ipmlang.inverse.lsystem.symmetry import Symmetry, dihedral, of_line, simplest, trivial
 
@@ -65,17 +66,19 @@ def group_elements(
     decimals: of the coordinates, so that origins which may lie anywhere need no more.
     """
     extent = _extent(curves)
+    # Shapes are told by plain curves, but shown as they were written.
+    plain = fewest_segments(curves, directed, LIMIT * extent, tolerance * 1e-2)
     point = extent <= tolerance / 4
-    line = ~point & (curves.counts == 1) & ~curves.closed
-    line[line] = curves.kind[curves.offsets[:-1][line]] == LINE
-    ellipses = find_ellipses(curves, tolerance / 4)
+    line = ~point & (plain.counts == 1) & ~curves.closed
+    line[line] = plain.kind[plain.offsets[:-1][line]] == LINE
+    ellipses = find_ellipses(plain, tolerance / 4)
     ellipse = ellipses.full & ~point & ~directed
     path = np.flatnonzero(~(point | line | ellipse))
     found: list[Found] = []
     for fixed in (False, True):
-        found += _lines(curves, np.flatnonzero(line & (directed == fixed)), fixed, tolerance)
+        found += _lines(plain, np.flatnonzero(line & (directed == fixed)), fixed, tolerance)
     found += _ellipses(ellipses, np.flatnonzero(ellipse), tolerance)
-    groups = group_paths(curves, path, _layouts(outlines), directed, tolerance)
+    groups = group_paths(plain, path, _layouts(outlines), directed, tolerance)
     for group in _by_parts(groups, curves, outlines, directed, tolerance):
         found.append(_path(group, curves, outlines[group.model], decimals, directed))
     found += _points(curves, outlines, np.flatnonzero(point), directed)
@@ -253,8 +256,10 @@ def _path(
     group: Group, curves: Curves, source: Outline, decimals: int, directed: Booleans
 ) -> Found:
     shift = _rounded_origin(group.centre, group.symmetry, decimals) - group.centre
-    placed = group.frames
-    moved = frames(apply(placed, shift), placed.angle, placed.scale, placed.handedness)
+    moved = group.frames
+    if shift:
+        at = apply(moved, shift)
+        moved = replace(moved, x=at.real, y=at.imag)
     outline = outline_at(curves, group.model, source, group.centre + shift)
     fixed = bool(directed[group.model])
     return Found(

@@ -9,17 +9,34 @@ replaced. Simplifying and printing come later.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.inverse.lsystem.clusters import cluster, members
-from ipmlang.inverse.lsystem.frames import Frames, frames, join, replaced, wrap
+from ipmlang.inverse.lsystem.frames import (
+    Frames,
+    compose,
+    frames,
+    identity,
+    inverse,
+    join,
+    replaced,
+    wrap,
+)
+from ipmlang.inverse.lsystem.motifs import Motif, find_motifs, motif_leads, relative_places
 from ipmlang.inverse.lsystem.patterns import Pattern
 from ipmlang.inverse.lsystem.sequences import Run, find_runs
 from ipmlang.inverse.lsystem.spaces import Pairs, pair_spaces
-from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers, Seen, misses
+from ipmlang.inverse.lsystem.symbols import (
+    Alphabet,
+    Arrangement,
+    Integers,
+    Seen,
+    joined,
+    misses,
+)
 from ipmlang.inverse.score import COUNTED, HEAD, placement_tokens, sequence_tokens
 
 ROUNDS = 400  # a bound that no drawing should reach: each round makes the string shorter
@@ -30,7 +47,8 @@ SHARE = 0.5  # a round takes candidates that save at least this share of the bes
 class Candidate:
     """A rule that could be made. gain: tokens it would save if all occurrences were free.
 
-    A pair has rows of its first symbols, their leads and the step; runs of one pattern have `runs`.
+    A pair has rows of its first symbols, their leads and the step; a longer stretch is a `motif`;
+    runs of one pattern have `runs`.
     """
 
     gain: float
@@ -39,16 +57,23 @@ class Candidate:
     lead: Frames
     step: Frames | None = None
     runs: tuple[Run, ...] = ()
+    motif: Motif | None = None
 
 
 @dataclass(slots=True, eq=False)
 class Search:
-    """The state of one search: the alphabet grows, the string gets shorter."""
+    """The state of one search: the alphabet grows, the string gets shorter.
+
+    What a motif is made of is searched on: its first occurrence stands at the end of the string,
+    under a `wrap` of its own, so that nothing mixes with it. bodies: the motif and its frame by
+    that wrap.
+    """
 
     alphabet: Alphabet
     seen: Seen
     string: Arrangement
     progress: Callable[[str], None] | None = None
+    bodies: dict[int, tuple[int, Frames]] = field(default_factory=dict)
 
     def run(self) -> Arrangement:
         """Replace until nothing pays; the string that is left becomes the axiom."""
@@ -57,10 +82,16 @@ class Search:
                 self.progress(f"round {number + 1}: {len(self.string)} symbols left")
             if not self._round():
                 break
-        return self.string
+        for wrap_number, (symbol, lead) in self.bodies.items():
+            rows = np.flatnonzero(self.string.wrap == wrap_number)
+            places = compose(inverse(lead), self.string.placed[rows])
+            self.alphabet.rewrite(symbol, self.string.symbol[rows], places)
+        axiom = self.string[~np.isin(self.string.wrap, list(self.bodies))]
+        return replace(axiom, symbol=self.alphabet.sort()[axiom.symbol])
 
     def _round(self) -> bool:
-        candidates = self._pairs() + self._sequences()
+        pairs, steps, loose = self._labels()
+        candidates = self._pairs(pairs, steps) + self._motifs(pairs, loose) + self._sequences()
         if not candidates:
             return False
         best = max(candidate.gain for candidate in candidates)
@@ -68,10 +99,7 @@ class Search:
         chosen.sort(key=lambda each: (-each.gain, each.order))
         edit = _Edit(self.string)
         for candidate in chosen:
-            if candidate.runs:
-                self._take_runs(candidate, edit)
-            else:
-                self._take_pair(candidate, edit)
+            self._take(candidate, edit)
         if not edit.changed:
             return self._retry(candidates, chosen)
         self.string = edit.result()
@@ -83,22 +111,31 @@ class Search:
         edit = _Edit(self.string)
         for candidate in sorted(candidates, key=lambda each: (-each.gain, each.order)):
             if id(candidate) not in failed and candidate.gain >= 1.0:
-                if candidate.runs:
-                    self._take_runs(candidate, edit)
-                else:
-                    self._take_pair(candidate, edit)
+                self._take(candidate, edit)
         if edit.changed:
             self.string = edit.result()
         return edit.changed
 
+    def _take(self, candidate: Candidate, edit: _Edit) -> None:
+        if candidate.runs:
+            self._take_runs(candidate, edit)
+        elif candidate.motif is not None:
+            self._take_motif(candidate.motif, edit)
+        else:
+            self._take_pair(candidate, edit)
+
     # ------------------------------------------------------------------ pairs
 
-    def _pairs(self) -> list[Candidate]:
+    def _labels(self) -> tuple[Pairs, Integers, Integers]:
+        """The pairs of neighbours, with numbers that are equal for equal steps, and for steps that
+        are equal as far as the first symbol's extent lets its direction be known.
+        """
         pairs = pair_spaces(self.alphabet, self.string)
-        if not len(pairs.first):
-            return []
         values, slack = pairs.values(self.alphabet, self.string)
-        labels = cluster(pairs.spaces, values, slack)
+        loose = slack * pairs.leverage(self.alphabet, self.string)[:, None]
+        return pairs, cluster(pairs.spaces, values, slack), cluster(pairs.spaces, values, loose)
+
+    def _pairs(self, pairs: Pairs, labels: Integers) -> list[Candidate]:
         cost = placement_tokens(self.string.placed, self.alphabet.tolerance)
         found = []
         for rows in members(labels, 2):
@@ -128,6 +165,39 @@ class Search:
         if good.sum() < 2:
             return
         edit.replace(rows[good], np.full(int(good.sum()), 2), symbol, lead[good])
+
+    # ----------------------------------------------------------------- motifs
+
+    def _motifs(self, pairs: Pairs, labels: Integers) -> list[Candidate]:
+        steps = -1 - np.arange(max(0, len(self.string) - 1))
+        steps[pairs.first] = labels
+        return [
+            Candidate(each.gain, int(each.rows[0]), each.rows, identity(0), motif=each)
+            for each in find_motifs(self.string, steps, self.alphabet.tolerance)
+        ]
+
+    def _take_motif(self, motif: Motif, edit: _Edit) -> None:
+        rows = motif.rows[edit.clear(motif.rows, motif.length)]
+        if len(rows) < 2 or 2 * len(rows) < len(motif.rows):
+            return
+        motif = replace(motif, rows=rows)
+        first = int(rows[0])
+        inside = slice(first, first + motif.length)
+        places = relative_places(self.string.placed, first, motif.length)
+        symbol = self.alphabet.add_group(self.string.symbol[inside], places)
+
+        def missed(lead: Frames, at: Integers) -> NDArray[np.float64]:
+            return misses(self.alphabet, self.seen, symbol, lead, self.string.start[at])
+
+        lead, error = motif_leads(self.alphabet, self.string, motif, missed)
+        good = np.flatnonzero(error <= self.alphabet.tolerance)
+        if len(good) * motif.gain < 0.5 * motif.gain * len(rows) or len(good) < 2:
+            return
+        edit.replace(rows[good], np.full(len(good), motif.length), symbol, lead[good])
+        wrap_number = int(self.string.wrap.max(initial=0)) + 1 + len(edit.bodies)
+        self.bodies[wrap_number] = (symbol, self.string.placed[first : first + 1])
+        body = self.string[np.arange(first, first + motif.length)]
+        edit.bodies.append(replace(body, wrap=np.full(motif.length, wrap_number, np.int64)))
 
     def _exact(self, symbol: int, lead: Frames, start: Integers) -> NDArray[np.bool_]:
         worst = misses(self.alphabet, self.seen, symbol, lead, start)
@@ -161,28 +231,36 @@ class Search:
     def _run_clusters(self, runs: list[Run]) -> Integers:
         """Runs of one symbol with equal patterns are one cluster."""
         symbol = self.string.symbol[[run.first for run in runs]]
-        lists: dict[tuple[float, ...], int] = {}
-        kinds = [self._kind(run.pattern, lists) for run in runs]
-        values = np.array([(*run.pattern.base, *run.pattern.delta) for run in runs])
+        known: dict[tuple[object, ...], int] = {}
+        kinds = [known.setdefault(self._kind(run.pattern), len(known)) for run in runs]
+        values = np.array([run.pattern.numbers for run in runs])
         scale = np.concatenate([run.lead.scale for run in runs])
         count = np.array([run.count for run in runs])
         reach = np.array([self.alphabet[int(each)].radius for each in symbol])
         room = self.alphabet.tolerance / (scale * count)
         arm = np.maximum(np.maximum(reach, np.abs(values[:, 1])), self.alphabet.tolerance)
-        turn = np.rad2deg(room / arm)
-        even = np.array([run.pattern.kind == "even" for run in runs])
-        slack = np.stack([np.where(even, room, turn), room, np.where(even, turn, room / arm),
-                          np.where(even, room / arm, turn)], axis=1)  # fmt: skip
-        labels = symbol * (8 * len(runs) + 8) + np.array(kinds, np.int64)
-        return cluster(labels, values, np.concatenate([slack, slack / count[:, None]], axis=1))
+        turn, factor = np.rad2deg(room / arm), room / arm
+        # The order of (x, y, angle, scale), (α, d, s, β) and (turn, radius, change, growth).
+        sizes = {
+            "even": (room, room, turn, factor),
+            "turtle": (turn, room, factor, turn),
+            "listed": (turn, room, room, room),
+            "polar": (turn, room, room, factor),
+        }
+        kind = np.array([run.pattern.kind for run in runs])
+        slack = np.zeros((len(runs), 4))
+        for name, columns in sizes.items():
+            slack[kind == name] = np.stack(columns, axis=1)[kind == name]
+        further = np.where((kind == "polar")[:, None], count[:, None] * slack, slack)
+        labels = symbol * (len(known) + 1) + np.array(kinds, np.int64)
+        inside = np.stack([np.rad2deg(self.alphabet.tolerance / arm), room, room], axis=1)
+        columns = [slack, further / count[:, None], inside]
+        return cluster(labels, values, np.concatenate(columns, axis=1))
 
-    def _kind(self, pattern: Pattern, lists: dict[tuple[float, ...], int]) -> int:
+    def _kind(self, pattern: Pattern) -> tuple[object, ...]:
         """Equal for patterns that may be one: those of one kind, or with one list of steps."""
-        if pattern.kind == "listed":
-            grid = 4 * self.alphabet.tolerance
-            key = tuple(round(step / grid) for step in pattern.steps)
-            return 8 * lists.setdefault(key, len(lists) + 1)
-        return 2 * (pattern.kind == "turtle") + pattern.mirrored + 4 * pattern.constant
+        grid = 4 * self.alphabet.tolerance
+        return (*pattern.label, tuple(round(step / grid) for step in pattern.steps))
 
     def _take_runs(self, candidate: Candidate, edit: _Edit) -> None:
         family = -1
@@ -211,6 +289,7 @@ class _Edit:
         self.keep = np.ones(len(string), np.bool_)
         self.symbol = string.symbol.copy()
         self.changed = False
+        self.bodies: list[Arrangement] = []
         self._new: list[tuple[Integers, Frames]] = []
 
     def clear(self, rows: Integers, count: int) -> NDArray[np.bool_]:
@@ -232,12 +311,12 @@ class _Edit:
         self.changed = True
 
     def result(self) -> Arrangement:
-        """The string after all replacements."""
+        """The string after all replacements, new bodies at its end."""
         changed = self.string.placed
         rows = np.concatenate([each for each, _ in self._new])
         changed = replaced(changed, rows, join([lead for _, lead in self._new]))
         string = Arrangement(self.symbol, changed, self.string.start, self.string.wrap)
-        return string[self.keep]
+        return joined([string[self.keep], *self.bodies])
 
 
 def _apart(first: Integers, rows: Integers) -> Integers:
@@ -261,13 +340,11 @@ def _middle(pairs: Pairs, rows: Integers) -> Frames:
 
 def _shared_pattern(patterns: list[Pattern]) -> Pattern:
     """The mean of equal patterns."""
-    base = np.mean([each.base for each in patterns], axis=0).tolist()
-    delta = np.mean([each.delta for each in patterns], axis=0).tolist()
-    first = patterns[0]
-    return Pattern(
-        first.kind,
-        (base[0], base[1], base[2], base[3]),
-        (delta[0], delta[1], delta[2], delta[3]),
-        first.mirrored,
-        first.steps,
+    mean = np.mean([each.numbers for each in patterns], axis=0).tolist()
+    return replace(
+        patterns[0],
+        base=(mean[0], mean[1], mean[2], mean[3]),
+        delta=(mean[4], mean[5], mean[6], mean[7]),
+        rest=mean[8],
+        inner=complex(mean[9], mean[10]),
     )

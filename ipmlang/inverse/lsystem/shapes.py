@@ -61,19 +61,16 @@ def group_paths(
     groups: list[Group] = []
     if not len(rows):
         return groups
-    for batch in _batches(curves, rows, layout, fixed, tolerance):
+    for batch in _batches(curves, rows, layout, fixed):
         groups += _grouped(batch, tolerance)
     return groups
 
 
-def _batches(
-    curves: Curves, rows: Integers, layout: Integers, fixed: Booleans, tolerance: float
-) -> Iterator[Batch]:
-    lengths = _lengths(curves, tolerance)
+def _batches(curves: Curves, rows: Integers, layout: Integers, fixed: Booleans) -> Iterator[Batch]:
     straight = np.ones(len(curves.counts), np.bool_)
     bent = np.repeat(np.arange(len(curves.counts)), curves.counts)[curves.kind != LINE]
     straight[bent] = False
-    keys = np.stack([layout, lengths, straight, fixed, curves.closed], axis=1)[rows]
+    keys = np.stack([layout, curves.counts, straight, fixed, curves.closed], axis=1)[rows]
     unique, which = np.unique(keys, axis=0, return_inverse=True)
     order = np.argsort(which.ravel(), kind="stable")
     ends = np.cumsum(np.bincount(which.ravel(), minlength=len(unique)))
@@ -81,18 +78,6 @@ def _batches(
         members = rows[part]
         whole = bool(curves.subpaths[members[0]] == 1)
         yield _sampled(curves, members, int(key[1]), bool(key[2]), whole, not key[3])
-
-
-def _lengths(curves: Curves, tolerance: float) -> Integers:
-    """(n,) segments of each element, without the closing line of a subpath that was all but closed:
-    whether rounding left such a line is no property of the shape.
-    """
-    counts = curves.counts.copy()
-    some = np.flatnonzero((counts > 2) & curves.closed & (curves.subpaths == 1))
-    last = curves.offsets[some + 1] - 1
-    tiny = np.abs(curves.points[last, 1] - curves.points[last, 0]) < tolerance * 1e-2
-    counts[some[tiny & (curves.kind[last] == LINE)]] -= 1
-    return counts
 
 
 def _sampled(
@@ -132,7 +117,7 @@ def _grouped(batch: Batch, tolerance: float) -> list[Group]:
     reach = SENSITIVITY * tolerance / radius
     features = _invariants(given / radius[:, None], batch.freedom)
     alone, clusters = frames(centre), []
-    for lump in _lumps(features, reach):
+    for lump in lumps(features, reach):
         if len(lump) == 1:
             clusters.append(_Cluster(lump, int(lump[0]), alone[lump], np.zeros(1)))
         else:
@@ -191,7 +176,7 @@ def _invariants(points: Complexes, freedom: Freedom) -> Floats:
     return np.stack(columns, axis=1)
 
 
-def _lumps(features: Floats, reach: Floats) -> list[Integers]:
+def lumps(features: Floats, reach: Floats) -> list[Integers]:
     """Rows in parts such that rows of different parts differ by more than their reach somewhere."""
     label = np.zeros(len(reach), np.int64)
     for column in range(features.shape[1]):

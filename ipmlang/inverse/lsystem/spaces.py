@@ -27,6 +27,7 @@ from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers
 # A generic direction in the space of transformations: the largest component along it picks one of
 # several equivalent transformations without comparing floats column by column.
 GENERIC = (0.7390851332, 0.5671432904, 0.3183098862, 0.4142135624, 0.2718281828)
+MOST_LEVERAGE = 100.0  # beyond this a step says nothing
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,6 +55,15 @@ class Pairs:
         slack = np.repeat((alphabet.tolerance / self.lead.scale)[:, None], 5, axis=1)
         slack[:, 0] = 0.5
         return values, slack
+
+    def leverage(self, alphabet: Alphabet, arrangement: Arrangement) -> Floats:
+        """(m,) how many times a rounding of the first symbol is seen where the second one is: a
+        short line tells its direction badly.
+        """
+        radius = np.array([max(each.radius, alphabet.tolerance) for each in alphabet.definitions])
+        first, second = arrangement.symbol[self.first], arrangement.symbol[self.first + 1]
+        far = np.abs(self.step.position) + radius[second] * self.step.scale
+        return np.asarray(1 + np.minimum(far / radius[first], MOST_LEVERAGE))
 
 
 def pair_spaces(alphabet: Alphabet, arrangement: Arrangement) -> Pairs:

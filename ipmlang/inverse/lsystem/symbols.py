@@ -7,7 +7,7 @@ string that is rewritten: symbols with world frames, in paint order. Nothing her
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,7 +38,9 @@ class Definition:
     at, arm: (size,) position and factor of the leaf frames;
     leaves: (size,) terminals it expands to; leaf_frames: (size,) their frames here; stabiliser:
     (k,) frames that keep all of it, identity first; free: any rotation about the origin does too;
-    radius: largest distance of what it draws from its origin.
+    radius: largest distance of what it draws from its origin; effect: the class of the effect that
+    wraps it, -1 for none; anchored: that effect lies somewhere, at this symbol's frame; marks: how
+    many of the leaves are such effects, which draw nothing themselves.
     """
 
     parts: Integers
@@ -52,6 +54,9 @@ class Definition:
     arm: Complexes
     pattern: Pattern | None = None
     family: int = -1
+    effect: int = -1
+    anchored: bool = False
+    marks: int = 0
 
     @property
     def terminal(self) -> bool:
@@ -60,8 +65,13 @@ class Definition:
 
     @property
     def size(self) -> int:
-        """How many elements it draws."""
+        """How many rows it takes up of what was seen."""
         return len(self.leaves)
+
+    @property
+    def drawn(self) -> int:
+        """How many elements it draws."""
+        return len(self.leaves) - self.marks
 
 
 @dataclass(slots=True, eq=False)
@@ -96,44 +106,90 @@ class Alphabet:
         self.definitions.append(made)
         return len(self) - 1
 
-    def add_group(self, parts: Integers, places: Frames) -> int:
-        """A new group of symbols (m,) at places (m,); its number."""
-        self.definitions.append(self._composed(parts, places))
+    def add_group(
+        self, parts: Integers, places: Frames, effect: int = -1, mark: int = -1
+    ) -> int:
+        """A new group of symbols (m,) at places (m,), wrapped in an effect of some class; its
+        number. mark: the terminal that stands for the effect where it lies somewhere.
+        """
+        made = replace(self._composed(parts, places), effect=effect)
+        self.definitions.append(made if mark < 0 else self._marked(made, mark))
         return len(self) - 1
+
+    def _marked(self, group: Definition, mark: int) -> Definition:
+        """A group whose effect is its first leaf, so that it is compared with what was seen."""
+        own = self[mark]
+        keeps = group.stabiliser[self._keeps(mark, identity(1), group.stabiliser)]
+        return replace(
+            group,
+            leaves=np.concatenate([own.leaves, group.leaves]),
+            leaf_frames=join([own.leaf_frames, group.leaf_frames]),
+            at=np.concatenate([own.at, group.at]),
+            arm=np.concatenate([own.arm, group.arm]),
+            stabiliser=keeps,
+            free=own.free and group.free,
+            radius=max(own.radius, group.radius),
+            anchored=True,
+            marks=group.marks + 1,
+        )
 
     def add_sequence(self, part: int, count: int, pattern: Pattern, family: int) -> int:
         """A new sequence of `count` copies; its number. family -1: the first of its kind."""
         places = pattern.places(count)
         made = self._composed(np.full(count, part, np.int64), places)
         family = len(self) if family < 0 else family
-        self.definitions.append(
-            Definition(
-                made.parts,
-                made.places,
-                made.leaves,
-                made.leaf_frames,
-                made.stabiliser,
-                made.free,
-                made.radius,
-                made.at,
-                made.arm,
-                pattern,
-                family,
-            )
-        )
+        self.definitions.append(replace(made, pattern=pattern, family=family))
         return len(self) - 1
+
+    def rewrite(self, symbol: int, parts: Integers, places: Frames) -> None:
+        """Say otherwise what a group is made of: other parts that expand to the same."""
+        known = self.definitions[symbol]
+        self.definitions[symbol] = replace(known, parts=parts, places=places)
+
+    def sort(self) -> Integers:
+        """Number symbols so that each is made of earlier ones; (n,) new number of each old one."""
+        order: list[int] = []
+        known = np.zeros(len(self), np.bool_)
+        waiting = list(range(len(self) - 1, -1, -1))
+        while waiting:
+            symbol = waiting.pop()
+            open_parts = np.unique(self[symbol].parts[~known[self[symbol].parts]]).tolist()
+            if known[symbol]:
+                continue
+            if open_parts:
+                waiting += [symbol, *open_parts]
+            else:
+                known[symbol] = True
+                order.append(symbol)
+        number = np.argsort(np.array(order, np.int64))
+        self.definitions = [
+            replace(
+                each,
+                parts=number[each.parts],
+                leaves=number[each.leaves],
+                family=int(number[each.family]) if each.family >= 0 else -1,
+            )
+            for each in (self.definitions[symbol] for symbol in order)
+        ]
+        return number
 
     def _composed(self, parts: Integers, places: Frames) -> Definition:
         known = [self[int(part)] for part in parts]
         leaves = np.concatenate([each.leaves for each in known])
-        placed = join(
-            [compose(places[k : k + 1], each.leaf_frames) for k, each in enumerate(known)]
-        )
+        if len(leaves) == len(parts):
+            placed = compose(places, join([each.leaf_frames for each in known]))
+        else:
+            placed = join(
+                [compose(places[k : k + 1], each.leaf_frames) for k, each in enumerate(known)]
+            )
         reach = [each.radius for each in known]
         radius = float(np.max(np.abs(places.position) + places.scale * np.array(reach)))
         keeps, free = self._stabiliser(parts, places)
         at, arm = placed.position, placed.factor
-        return Definition(parts, places, leaves, placed, keeps, free, radius, at, arm)
+        marks = sum(each.marks for each in known)
+        return Definition(
+            parts, places, leaves, placed, keeps, free, radius, at, arm, marks=marks
+        )
 
     def _stabiliser(self, parts: Integers, places: Frames) -> tuple[Frames, bool]:
         """Frames that keep every member where it is, and whether all rotations do."""
@@ -144,6 +200,8 @@ class Alphabet:
             candidates = self._of_free(parts, places)
         keep = np.ones(len(candidates), np.bool_)
         for part, index in zip(parts.tolist(), range(len(parts)), strict=True):
+            if keep.sum() == 1:  # the identity always keeps everything
+                break
             keep &= self._keeps(int(part), places[index : index + 1], candidates)
         still = bool(np.all(np.abs(places.position) <= self.tolerance))
         free = still and all(self[int(part)].free for part in parts)
@@ -202,6 +260,16 @@ class Arrangement:
 
     def __getitem__(self, rows: NDArray[np.bool_] | Integers) -> Arrangement:
         return Arrangement(self.symbol[rows], self.placed[rows], self.start[rows], self.wrap[rows])
+
+
+def joined(parts: list[Arrangement]) -> Arrangement:
+    """One arrangement after the other."""
+    return Arrangement(
+        np.concatenate([each.symbol for each in parts]),
+        join([each.placed for each in parts]),
+        np.concatenate([each.start for each in parts]),
+        np.concatenate([each.wrap for each in parts]),
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

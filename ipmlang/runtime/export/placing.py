@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ipmlang.runtime.scene import Instances
+from ipmlang.runtime.scene import Groups, Instances
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -30,7 +30,7 @@ def rotation_matrices(quaternion: Floats) -> Floats:
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
-def frame_matrices(instances: Instances, rows: Rows) -> Floats:
+def frame_matrices(instances: Instances | Groups, rows: Rows) -> Floats:
     """(n, 3, 4) maps from the frames of `rows` to the world."""
     scale = instances.scale[rows]
     linear = rotation_matrices(instances.rotation[rows]) * np.abs(scale)[:, None, None]
@@ -38,7 +38,7 @@ def frame_matrices(instances: Instances, rows: Rows) -> Floats:
     return np.concatenate([linear, instances.position[rows][:, :, None]], axis=2)
 
 
-def drawing_matrices(instances: Instances, rows: Rows, flip: float) -> Floats:
+def drawing_matrices(instances: Instances | Groups, rows: Rows, flip: float) -> Floats:
     """(n, 6) maps (a, b, c, d, e, f) from an asset's own drawing to the drawing of the scene.
 
     An asset's y points down about its own zero, the drawing's about `flip`: y_svg = flip - y.

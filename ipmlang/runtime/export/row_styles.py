@@ -7,26 +7,27 @@ row. Equal rows share one object. No geometry here.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.formats.drawing import Style
 from ipmlang.runtime.export.pens import penned
-from ipmlang.runtime.scene import AssetRef, Scene
+from ipmlang.runtime.scene import Scene
 
-Effects = Callable[[AssetRef | None], tuple[str, ...]]
+Effects = Sequence[tuple[str, ...]]
 
 
 def row_styles(scene: Scene, rows: NDArray[np.intp], base: Style, effects: Effects) -> list[Style]:
-    """The style of each row; `effects` names the effects that a pen wraps its run in."""
+    """The style of each row; `effects` names what each group is wrapped in, outermost first."""
     table = scene.instances
     columns = np.stack(
         [
             table.style[rows].astype(np.int64),
             table.color[rows].astype(np.int64),
             table.width[rows].view(np.int32).astype(np.int64),
+            np.full(len(rows), -1) if scene.groups is None else scene.groups.of[rows],
         ],
         axis=1,
     )
@@ -45,9 +46,9 @@ def row_sources(scene: Scene, rows: NDArray[np.intp]) -> list[tuple[str, ...]]:
 
 
 def _style(scene: Scene, columns: Sequence[int], base: Style, effects: Effects) -> Style:
-    number, color, bits = columns
+    number, color, bits, group = columns
     pen = scene.styles[number]
     width = float(np.array(bits, np.int32).view(np.float32))
     style = penned(base, color, width, pen.css)
-    outer = effects(pen.effect)
+    outer = effects[group] if group >= 0 else ()
     return dataclasses.replace(style, effects=outer + style.effects) if outer else style

@@ -16,17 +16,17 @@ from numpy.typing import NDArray
 
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.formats.drawing import LINE, Drawing, DrawnElement, Effect, Outline, Style
-from ipmlang.formats.svg.transforms import Matrix, multiply, translate
+from ipmlang.formats.svg.transforms import Matrix, multiply
 from ipmlang.runtime.export.drawn_assets import (
     depends_on_frame,
     drawn_assets,
-    effects_of,
     moved_style,
     placed,
 )
+from ipmlang.runtime.export.drawn_groups import drawn_groups, paint_order
 from ipmlang.runtime.export.placing import drawing_matrices
 from ipmlang.runtime.export.row_styles import row_sources, row_styles
-from ipmlang.runtime.scene import OUTLINE, SCOPE, SEGMENT, AssetRef, Scene
+from ipmlang.runtime.scene import OUTLINE, SCOPE, SEGMENT, Scene
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -64,11 +64,14 @@ def _without_collection() -> Iterator[None]:
 
 @dataclass(slots=True)
 class _Sheet:
-    """The drawing while it is made: `elements` holds a place for everything that is drawn."""
+    """The drawing while it is made: `elements` holds a place for everything that is drawn,
+    `groups` the names of the effects around each group.
+    """
 
     scene: Scene
     elements: list[DrawnElement | None] = field(default_factory=list)
     effects: dict[str, Effect] = field(default_factory=dict)
+    groups: list[tuple[str, ...]] = field(default_factory=list)
 
     @property
     def flip(self) -> float:
@@ -79,12 +82,13 @@ class _Sheet:
     def drawing(self) -> Drawing:
         table = self.scene.instances
         assets, notes = drawn_assets(self.scene)
+        if self.scene.groups is not None:
+            self.groups, self.effects = drawn_groups(self.scene.groups, self.flip)
         counts = np.ones(len(table), np.intp)
         counts[(table.asset == SCOPE) & ~(table.size[:, :2] != 0).all(axis=1)] = 0
         for number, asset in assets.items():
             counts[table.asset == number] = len(asset.elements)
-        # Equal layers keep the order of derivation.
-        order = np.argsort(table.layer, kind="stable")
+        order = paint_order(table.layer, self.scene.groups)
         place = np.empty(len(table), np.intp)
         place[order] = np.cumsum(counts[order]) - counts[order]
         self.elements = [None] * int(counts.sum())
@@ -134,7 +138,7 @@ class _Sheet:
             self.elements[at] = DrawnElement(outline, styles[index], None, sources[index])
 
     def _looks(self, rows: Rows, base: Style) -> tuple[list[Style], list[tuple[str, ...]]]:
-        styles = row_styles(self.scene, rows, base, self._pen_effects)
+        styles = row_styles(self.scene, rows, base, self.groups)
         return styles, row_sources(self.scene, rows)
 
     def _default_width(self, coords: Floats) -> float:
@@ -204,17 +208,6 @@ class _Sheet:
         key = f"{name} {matrix}"
         self.effects[key] = replace(effect, matrix=multiply(matrix, effect.matrix))
         return key
-
-    def _pen_effects(self, reference: AssetRef | None) -> tuple[str, ...]:
-        """The effects that a pen wraps its run in, outermost first."""
-        if reference is None:
-            return ()
-        shift = translate(0.0, self.flip)
-        names = []
-        for name, effect in effects_of(reference):
-            names.append(f"{reference.path}#{name}")
-            self.effects[names[-1]] = replace(effect, matrix=multiply(shift, effect.matrix))
-        return tuple(names)
 
 
 def _polygon(corners: Floats, flip: float) -> Outline:

@@ -1,0 +1,216 @@
+"""Names in a grammar: where symbols are used, which names are taken, which items are still needed.
+
+In go syntax trees, out come names, numbers of items, or the tree with other elements in place of
+some symbols. Nothing is checked here: a tree may be half edited.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import fields, is_dataclass, replace
+from typing import TypeAlias, TypeVar, assert_never, cast
+
+from ipmlang.compiler import ast
+from ipmlang.compiler.ops import FUNCTIONS, OPERATIONS
+from ipmlang.compiler.tokens import is_free_name
+
+Elements: TypeAlias = tuple[ast.Element, ...]
+# What takes the place of a module; the truth says that nothing follows it in its bracket.
+Make: TypeAlias = Callable[[ast.Module, bool], Elements]
+_Tree = TypeVar("_Tree")
+_RESERVED = frozenset({"i", "n", "r", "e", "pi", "here", "nil", "start"})
+
+
+def with_modules(grammar: ast.Grammar, make: Make) -> ast.Grammar:
+    """The grammar with every module of its rules and axioms put through `make`.
+
+    >>> fork = ast.Rule(ast.Head("A"), (ast.Bracket((ast.Module("B"),)), ast.Module("B")))
+    >>> forks = ast.Grammar((fork,))
+    >>> len(with_modules(forks, lambda one, last: (one,) if last else (one, one)).items[0].body)
+    3
+    """
+    return replace(grammar, items=tuple(_with_modules(item, make) for item in grammar.items))
+
+
+def _with_modules(item: ast.Item, make: Make) -> ast.Item:
+    match item:
+        case ast.Rule():
+            return replace(item, body=_elements(item.body, make, False))
+        case ast.Start():
+            return replace(item, axiom=_elements(item.axiom, make, True))
+        case _:
+            return item
+
+
+def _elements(elements: Elements, make: Make, closed: bool) -> Elements:
+    """`closed`: nothing outside sees the state that these leave behind."""
+    made: list[ast.Element] = []
+    for number, each in enumerate(elements):
+        if isinstance(each, ast.Module):
+            made += make(each, closed and number == len(elements) - 1)
+        else:
+            made.append(_element(each, make))
+    return tuple(made)
+
+
+def _element(element: ast.Element, make: Make) -> ast.Element:
+    match element:
+        case ast.Bracket():
+            return replace(element, body=_elements(element.body, make, True))
+        case ast.Repeat():
+            return replace(element, body=_elements(element.body, make, False))
+        case ast.Split():
+            return replace(element, parts=tuple(_split_part(each, make) for each in element.parts))
+        case ast.Block() | ast.Each():
+            parts = tuple(
+                replace(each, body=_elements(each.body, make, False)) for each in element.parts
+            )
+            return replace(element, parts=parts)
+        case ast.Module() | ast.Assign():
+            return element
+        case _:
+            assert_never(element)
+
+
+def _split_part(part: ast.SplitPart | ast.SplitGroup, make: Make) -> ast.SplitPart | ast.SplitGroup:
+    if isinstance(part, ast.SplitGroup):
+        return replace(part, parts=tuple(_split_part(each, make) for each in part.parts))
+    return replace(part, body=_elements(part.body, make, False))
+
+
+def nodes(tree: object) -> Iterator[object]:
+    """Every node of a tree, comments apart, from the outside in."""
+    waiting = [tree]
+    while waiting:
+        one = waiting.pop()
+        if isinstance(one, ast.Comment | ast.Span):
+            continue
+        if is_dataclass(one):
+            yield one
+            waiting += [getattr(one, each.name) for each in fields(one)]
+        elif isinstance(one, tuple):
+            waiting += one
+
+
+def used_names(tree: object) -> set[str]:
+    """The names that a tree asks for: symbols, values, tables, functions. Of a dotted name also the
+    part before the dot, which is an import or a table's row.
+    """
+    found: set[str] = set()
+    for node in nodes(tree):
+        match node:
+            case ast.Name(id=name) | ast.Module(name=name) | ast.Call(name=name):
+                found.add(name)
+            case ast.Block(name=name) | ast.ContextModule(name=name) | ast.Rows(table=name):
+                found.add(name)
+            case ast.Residual(table=name):
+                found.add(name)
+            case ast.Start(sites=sites):
+                found.update(sites)
+            case ast.Place(kind="surface", reference=str(name)):
+                found.add(name)
+            case _:
+                pass
+    return found | {name.partition(".")[0] for name in found}
+
+
+def defined_names(item: ast.Item) -> tuple[str, ...]:
+    """The names that an item gives a meaning."""
+    match item:
+        case ast.Rule(head=head):
+            return (head.name,)
+        case ast.Asset(names=names):
+            return names
+        case ast.Import(path=path, alias=alias):
+            return (alias or path.rpartition("/")[2].removesuffix(".ipm"),)
+        case ast.Table(name=name) | ast.Attr(name=name) | ast.Const(name=name):
+            return (name,)
+        case ast.Function(name=name) | ast.Surface(name=name) | ast.Field(name=name):
+            return (name,)
+        case ast.Site(name=name):
+            return (name,)
+        case _:
+            return ()
+
+
+def taken_names(grammar: ast.Grammar) -> set[str]:
+    """Every name that stands anywhere in a grammar, parameters and counters included."""
+    found = used_names(grammar)
+    for item in grammar.items:
+        found.update(defined_names(item))
+    for node in nodes(grammar):
+        match node:
+            case ast.Parameter(name=name) | ast.Count(variable=name) | ast.Rows(variable=name):
+                found.add(name)
+            case _:
+                pass
+    return found
+
+
+def free_name(grammar: ast.Grammar, wish: str) -> str:
+    """A name like `wish` that nothing in the grammar bears.
+
+    >>> free_name(ast.Grammar((ast.Start((ast.Module("leaf"),)),)), "leaf 07.b")
+    'leaf_07_b'
+    >>> free_name(ast.Grammar((ast.Start((ast.Module("leaf"),)),)), "leaf")
+    'leaf_2'
+    """
+    plain = re.sub(r"\W+", "_", wish, flags=re.ASCII).strip("_") or "part"
+    plain = plain if plain[0].isalpha() else f"part_{plain}"
+    taken = taken_names(grammar) | set(OPERATIONS) | set(FUNCTIONS) | _RESERVED
+    if plain not in taken and is_free_name(plain):
+        return plain
+    number = 2
+    while f"{plain}_{number}" in taken:
+        number += 1
+    return f"{plain}_{number}"
+
+
+def needed_names(grammar: ast.Grammar) -> set[str]:
+    """The names that the axiom leads to, and those that items without a name ask for."""
+    by_name: dict[str, list[ast.Item]] = {}
+    found: set[str] = set()
+    for item in grammar.items:
+        names = defined_names(item)
+        for name in names:
+            by_name.setdefault(name, []).append(item)
+        if not names:
+            found |= used_names(item)
+    waiting = list(found)
+    while waiting:
+        for item in by_name.get(waiting.pop(), ()):
+            new = used_names(item) - found
+            found |= new
+            waiting += new
+    return found
+
+
+def without_names(grammar: ast.Grammar, names: set[str]) -> ast.Grammar:
+    """The grammar without the definitions of names; an asset item keeps its other names."""
+    kept: list[ast.Item] = []
+    for item in grammar.items:
+        own = defined_names(item)
+        left = tuple(name for name in own if name not in names)
+        if isinstance(item, ast.Asset) and left:
+            kept.append(replace(item, names=left))
+        elif left or not own:
+            kept.append(item)
+    return replace(grammar, items=tuple(kept))
+
+
+def mapped(tree: _Tree, change: Callable[[object], object]) -> _Tree:
+    """The tree with every node put through `change`, from the inside out; comments stay."""
+    if isinstance(tree, ast.Comment | ast.Span):
+        return tree
+    if isinstance(tree, tuple):
+        parts = tuple(mapped(each, change) for each in tree)
+        same = all(one is other for one, other in zip(parts, tree, strict=True))
+        return tree if same else cast("_Tree", parts)
+    if not is_dataclass(tree) or isinstance(tree, type):
+        return tree
+    before = {each.name: getattr(tree, each.name) for each in fields(tree)}
+    after = {name: mapped(value, change) for name, value in before.items()}
+    different = {name: value for name, value in after.items() if value is not before[name]}
+    made = replace(tree, **different) if different else tree
+    return cast("_Tree", change(made))

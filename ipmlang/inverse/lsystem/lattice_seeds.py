@@ -1,0 +1,252 @@
+"""Chains in a cloud, whatever the order of the points: seeds from neighbours, grown and chosen.
+
+Rows begin with a point, a neighbour and the point as far beyond; what bends begins with three
+neighbours, carried on both as a constant similarity and as a parabola. Seeds that more points agree
+with are grown first. Everything is deterministic, and how much is tried is bounded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.inverse.lsystem.frames import Complexes
+from ipmlang.inverse.lsystem.lattice_chains import LATE, Chain, Mask, believable, grow
+from ipmlang.inverse.lsystem.lattice_cloud import Cloud, Integers
+from ipmlang.inverse.lsystem.lattice_models import TERMS, Kind, at, spacing, start
+
+ATTEMPTS = 300  # seeds grown in one search
+SLACK = 4.0  # times the noise that a prediction from a seed may be off
+TRIPLES = 80_000  # seeds of what bends
+SMOOTH, SHARP = 75.0, 125.0  # degrees between steps of noisy and of exact chains
+GROWTH = 1.8  # most that one step is longer than the last
+SEVERAL = 150  # points beyond which noisy bends begin with five members in a row
+BENT: tuple[Kind, ...] = ("ring", "log", "archimedes", "parabola")
+BETTER = 1.3  # times as many members make a noisier or more bent chain the better one
+
+
+@dataclass(slots=True, eq=False)
+class Seeds:
+    """rows: (s, k) members of consecutive indices, −1 where there is none, best first; tests: how
+    many were looked at; used: (n,) points that others have; tried: neighbours in chains grown.
+    """
+
+    rows: Integers
+    tests: float
+    used: Mask
+    tried: set[tuple[int, int]] = field(default_factory=set)
+
+    def fresh(self) -> Iterator[tuple[Integers, Integers]]:
+        """Index and rows of the members of each seed not yet part of what was grown."""
+        left = ATTEMPTS
+        for seed in self.rows:
+            index = np.flatnonzero(seed >= 0)
+            rows = seed[index]
+            pairs = set(pairwise(rows.tolist()))
+            if pairs <= self.tried or self.used[rows].sum() > 1 or left == 0:
+                continue
+            left -= 1
+            yield index, rows
+            self.tried |= pairs | {(b, a) for a, b in pairs}
+
+    def note(self, chain: Chain) -> None:
+        """Seeds inside this chain need not be grown again."""
+        rows = chain.rows.tolist()
+        pairs = set(pairwise(rows))
+        self.tried |= pairs | {(b, a) for a, b in pairs}
+
+
+def find_rows(known: Cloud, used: Mask, share: float) -> list[Chain]:
+    """Rows of points not `used` (n,), which mark what they take; share: as for `grow`."""
+    seeds = _row_seeds(known, used, share)
+    found: list[Chain] = []
+    for index, rows in seeds.fresh():
+        first = start("line", known.at[rows], index)
+        chain = None if first is None else grow(known, first, index, rows, used, share)
+        if chain is None:
+            continue
+        seeds.note(chain)
+        if believable(known, chain, seeds.tests):
+            chain = _denser(known, bolder(known, chain, used, seeds.tests), used, seeds.tests)
+            used[chain.rows] = True
+            found.append(chain)
+    return found
+
+
+def _row_seeds(known: Cloud, used: Mask, share: float) -> Seeds:
+    """Five points or more out of seven at even steps; of exact ones three."""
+    here, there = _pairs(known, used)
+    step = known.at[there] - known.at[here]
+    reach = np.maximum(2 * known.exact, SLACK * share * np.abs(step))
+    third = _find(known, used, known.at[there] + step, reach)
+    good = (third >= 0) & (here < third)
+    here, there, third, reach = here[good], there[good], third[good], reach[good]
+    step = (known.at[third] - known.at[here]) / 2
+    beyond = known.at[there][:, None] + step[:, None] * np.array([-3, -2, 2, 3])
+    more = _find(known, used, beyond, np.repeat(reach[:, None], 4, axis=1))
+    rows = np.stack([more[:, 0], more[:, 1], here, there, third, more[:, 2], more[:, 3]], axis=1)
+    count = (rows >= 0).sum(axis=1)
+    order = np.lexsort((here, np.abs(step).round(9), -count))
+    order = order[count[order] >= (3 if share == 0 else 5)]
+    return Seeds(rows[order], float(len(good)) / 2, used)
+
+
+def _pairs(known: Cloud, used: Mask) -> tuple[Integers, Integers]:
+    """Every point not used with each of its neighbours not used."""
+    here = np.repeat(np.arange(len(known)), known.near.shape[1])
+    there = known.near.ravel()
+    keep = ~used[here] & ~used[there]
+    return here[keep], there[keep]
+
+
+def _find(known: Cloud, used: Mask, places: Complexes, reach: NDArray[np.float64]) -> Integers:
+    """The points not used near places, −1 for none."""
+    hit = known.find(places, reach)
+    hit[(hit >= 0) & used[hit]] = -1
+    return hit
+
+
+def bolder(known: Cloud, chain: Chain, used: Mask, tests: float) -> Chain:
+    """The same chain with noise allowed, or bent, where that makes it much longer."""
+    best = chain
+    kinds: tuple[Kind, ...] = (chain.model.kind,)
+    if chain.model.kind == "line" and chain.reach > known.exact:
+        kinds = ("parabola", "ring", "log", "archimedes")
+    for kind in kinds:
+        smooth = at(best.model, np.arange(best.index[0], best.index[-1] + 1))
+        first = start(kind, smooth, np.arange(len(smooth)))
+        if first is None or len(chain) < 3:
+            continue
+        index = best.index - best.index[0]
+        tried = grow(known, first, index, best.rows, used, known.loose)
+        longer = tried is not None and len(tried) >= max(BETTER * len(best), len(best) + 2)
+        if tried is not None and longer and believable(known, tried, tests):
+            best = tried
+    return best
+
+
+def _denser(known: Cloud, chain: Chain, used: Mask, tests: float) -> Chain:
+    """The same chain with half the step, where the seed had left out every second member."""
+    if chain.model.kind == "vogel":
+        return chain
+    index = 2 * (chain.index - chain.index[0])
+    halves = at(chain.model, chain.index[0] + np.arange(index[-1] + 1) / 2)
+    first = start(chain.model.kind, halves, np.arange(len(halves)))
+    if first is None:
+        return chain
+    share = 0.0 if chain.reach <= known.exact else known.loose
+    tried = grow(known, first, index, chain.rows, used, share)
+    if tried is None or len(tried) < BETTER * len(chain) or not believable(known, tried, tests):
+        return chain
+    return tried
+
+
+# ------------------------------------------------------------------------ what bends
+
+
+def find_bends(known: Cloud, used: Mask, share: float, line: Integers) -> list[Chain]:
+    """Parabolas, rings and spirals of points not `used` (n,), which mark what they take; line: (n,)
+    the row that each is in, -1 for none: no bend begins within one row.
+    """
+    seeds = _bend_seeds(known, used, share, line)
+    found: list[Chain] = []
+    for index, rows in seeds.fresh():
+        grown = [_bent(known, kind, index, rows, used, share) for kind in BENT]
+        chains = [each for each in grown if each is not None]
+        for chain in chains:
+            seeds.note(chain)
+        sure = [each for each in chains if believable(known, each, seeds.tests)]
+        if sure:
+            best = max(sure, key=lambda each: len(each) - TERMS[each.model.kind] / 2)
+            best = _denser(known, best, used, seeds.tests)
+            used[best.rows] = True
+            found.append(best)
+    return found
+
+
+def _bent(
+    known: Cloud, kind: Kind, index: Integers, rows: Integers, used: Mask, share: float
+) -> Chain | None:
+    first = start(kind, known.at[rows], index)
+    if first is None:
+        return None
+    off = np.abs(known.at[rows] - at(first, index))
+    if (off > LATE * np.maximum(known.exact, known.loose * spacing(first, index))).any():
+        return None
+    return grow(known, first, index, rows, used, share)
+
+
+def _bend_seeds(known: Cloud, used: Mask, share: float, line: Integers) -> Seeds:
+    """Triples of neighbours with what carries them on, both ways and by both predictions."""
+    a, p, b = _triples(known, used)
+    tests = float(len(p))
+    ahead, behind = known.at[b] - known.at[p], known.at[p] - known.at[a]
+    ratio = ahead / behind
+    size = np.abs(ratio)
+    turn = np.abs(np.angle(ratio, deg=True))
+    good = (size < GROWTH) & (size > 1 / GROWTH) & (turn <= (SHARP if share == 0 else SMOOTH))
+    good &= (line[p] < 0) | (line[a] != line[p]) | (line[b] != line[p])
+    a, p, b, ratio, ahead, behind = (each[good] for each in (a, p, b, ratio, ahead, behind))
+    places = known.at[a], known.at[p], known.at[b]
+    made = [
+        _carried(known, used, share, places, np.stack([a, p, b], axis=1), outer)
+        for outer in (_similar(ratio, ahead, behind), _curved(ahead, behind))
+    ]
+    rows, length = np.concatenate(made), np.tile(np.minimum(np.abs(ahead), np.abs(behind)), 2)
+    count = (rows >= 0).sum(axis=1)
+    if len(known) > SEVERAL:
+        count = np.where((rows[:, [1, 5]] >= 0).all(axis=1) | (share == 0), count, 0)
+    order = np.lexsort((rows[:, 3], length.round(9), -count))
+    order = order[count[order] >= (4 if share == 0 else 5)]
+    return Seeds(rows[order], 2 * tests, used)
+
+
+Outer: TypeAlias = tuple[Complexes, Complexes, Complexes, Complexes]
+
+
+def _similar(ratio: Complexes, ahead: Complexes, behind: Complexes) -> Outer:
+    """Steps beyond three points if each is the one before times a ratio: two back, two on."""
+    back, on = behind / ratio, ahead * ratio
+    return -back - back / ratio, -back, on, on + on * ratio
+
+
+def _curved(ahead: Complexes, behind: Complexes) -> Outer:
+    """The same if each is the one before plus a constant."""
+    bend = ahead - behind
+    back, on = behind - bend, ahead + bend
+    return -2 * back + bend, -back, on, 2 * on + bend
+
+
+def _carried(
+    known: Cloud,
+    used: Mask,
+    share: float,
+    places: tuple[Complexes, Complexes, Complexes],
+    middle: Integers,
+    outer: Outer,
+) -> Integers:
+    """(s, 7) triples (s, 3) with what lies two before and two after."""
+    first, second, last = places
+    short = np.minimum(np.abs(second - first), np.abs(last - second))
+    reach = np.maximum(4 * known.exact, SLACK * share * short)[:, None] * np.array([2, 1, 1, 2])
+    beyond = np.stack(outer, axis=1) + np.stack([first, first, last, last], axis=1)
+    ends = _find(known, used, beyond, reach)
+    return np.concatenate([ends[:, :2], middle, ends[:, 2:]], axis=1)
+
+
+def _triples(known: Cloud, used: Mask) -> tuple[Integers, Integers, Integers]:
+    """Points not used between two of their neighbours, within `TRIPLES` in all."""
+    free = np.flatnonzero(~used)
+    often = known.near.shape[1]
+    while often > 3 and len(free) * often * (often - 1) / 2 > TRIPLES:
+        often -= 1
+    one, two = np.triu_indices(often, 1)
+    p = np.repeat(free, len(one))
+    a, b = known.near[free][:, one].ravel(), known.near[free][:, two].ravel()
+    keep = ~used[a] & ~used[b]
+    return a[keep], p[keep], b[keep]

@@ -1,0 +1,152 @@
+"""Chains of copies that go on by one step: the branches of a structure, one at a time.
+
+From a root the near copies are tried as the first link; what repeats that step, the same each time
+or evenly changing, is followed as far as it goes. A round shape has no heading: how it turns from
+link to link is told by the second one. In comes what stands where, out come chains with their
+steps; all are followed at once, and nothing is put together here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipmlang.inverse.lsystem.frames import Floats, Frames, compose, frames, join, wrap
+from ipmlang.inverse.recursion.nodes import Nodes, between
+from ipmlang.inverse.recursion.strokes import Integers
+from ipmlang.inverse.recursion.twigs import SCALE, SPIN, TURN, frames_of, steps_of
+
+NEAR = 24
+COMPARABLE = 0.3
+LONGEST = 40
+MOST_CHAINS = 40
+MOST_LINKS = 256
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chain:
+    """step: (4,) numbers of the first step; change: (4,) theirs from one step to the next; hand: of
+    each link as seen from the one before; length: links; element: the copy after the root.
+    """
+
+    step: Floats
+    change: Floats
+    hand: int
+    length: int
+    element: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Links:
+    """frames (m,) of copies after the root, and which copies (m,) they are."""
+
+    frames: Frames
+    copy: Integers
+
+
+def find_chains(nodes: Nodes, start: Frames, root: int, linear: bool) -> list[Chain]:
+    """Chains from the copy `root`, seen in the frame `start`: at least two equal steps or three
+    evenly changing ones, the longest first.
+    """
+    links = _round_links(nodes, start, root) if nodes.free else _links(nodes, root)
+    if not len(links.copy):
+        return []
+    steps = between(start[np.zeros(len(links.copy), np.int64)], links.frames)
+    numbers, hand = steps_of(steps), steps.handedness.astype(np.int64)
+    change = np.zeros_like(numbers)
+    if linear:
+        which, change = _changes(nodes, root, links, numbers, hand)
+        numbers, hand = numbers[which], hand[which]
+        links = _Links(links.frames[which], links.copy[which])
+    length = _lengths(nodes, start, numbers, change, hand)
+    good = np.flatnonzero(length >= (3 if linear else 2))
+    order = np.lexsort((links.copy[good], -hand[good], -length[good]))
+    return [
+        Chain(numbers[row], change[row], int(hand[row]), int(length[row]), int(links.copy[row]))
+        for row in good[order][:MOST_CHAINS].tolist()
+    ]
+
+
+def _neighbours(nodes: Nodes, copy: int) -> Integers:
+    """The nearest other copies of a comparable size."""
+    own = nodes.own
+    size = own.scale / own.scale[copy]
+    alike = np.flatnonzero((size > COMPARABLE) & (size < 1 / COMPARABLE))
+    away = np.abs(own.position[alike] - own.position[copy])
+    away[alike == copy] = np.inf
+    most = min(NEAR, len(alike) - 1)
+    return alike[np.argsort(away, kind="stable")[:most]]
+
+
+def _links(nodes: Nodes, root: int) -> _Links:
+    """The copies near the root in all their frames."""
+    near = _neighbours(nodes, root)
+    rows = (near[:, None] * nodes.each + np.arange(nodes.each)).ravel()[:MOST_LINKS]
+    return _Links(nodes.every[rows], rows // nodes.each)
+
+
+def _round_links(nodes: Nodes, start: Frames, root: int) -> _Links:
+    """The same for round shapes, in the frames that lead to each possible second link."""
+    made: list[Frames] = []
+    copies: list[int] = []
+    for copy in _neighbours(nodes, root).tolist():
+        place = nodes.every[copy : copy + 1]
+        came = place.position[0] - start.position[0]
+        after = _neighbours(nodes, copy)
+        away = nodes.every.position[after] - place.position[0]
+        away = away[(after != root) & (np.abs(away) > nodes.tolerance)]
+        if abs(came) <= nodes.tolerance or not len(away):
+            continue
+        turn = np.angle(away / came, deg=True)
+        at = np.full(len(away), place.position[0])
+        made.append(frames(at, start.angle[0] + turn, place.scale[0]))
+        copies += [copy] * len(away)
+    if not made:
+        return _Links(nodes.every[:0], np.zeros(0, np.int64))
+    return _Links(join(made), np.array(copies, np.int64))
+
+
+def _changes(
+    nodes: Nodes, root: int, links: _Links, numbers: Floats, hand: Integers
+) -> tuple[Integers, Floats]:
+    """Which links have a second one whose step changes so that a third is there, and the change."""
+    which, changes = [np.zeros(0, np.int64)], [np.zeros((0, 4))]
+    for copy in np.unique(links.copy).tolist():
+        mine = np.flatnonzero(links.copy == copy)
+        near = _neighbours(nodes, copy)
+        near = near[near != root]
+        rows = (near[:, None] * nodes.each + np.arange(nodes.each)).ravel()[:MOST_LINKS]
+        first, second = (each.ravel() for each in np.meshgrid(mine, rows, indexing="ij"))
+        step = between(links.frames[first], nodes.every[second])
+        change = steps_of(step) - numbers[first]
+        change[:, [TURN, SPIN]] = wrap(change[:, [TURN, SPIN]])
+        third = numbers[first] + 2 * change
+        good = (step.handedness == hand[first]) & (third[:, SCALE] > 0)
+        first, second, change, third = first[good], second[good], change[good], third[good]
+        after = compose(nodes.every[second], _frames_of(third, hand[first]))
+        there = nodes.at(after).max(axis=1, initial=-1) >= 0
+        which.append(first[there])
+        changes.append(change[there])
+    return np.concatenate(which), np.concatenate(changes)
+
+
+def _frames_of(steps: Floats, hand: Integers) -> Frames:
+    made = frames_of(steps, 1)
+    return Frames(made.x, made.y, made.angle, made.scale, hand.astype(np.int8))
+
+
+def _lengths(
+    nodes: Nodes, start: Frames, steps: Floats, change: Floats, hand: Integers
+) -> Integers:
+    """(m,) how many links of each chain are there."""
+    length = np.zeros(len(steps), np.int64)
+    alive = np.arange(len(steps))
+    now = start[np.zeros(len(steps), np.int64)]
+    while len(alive) and length.max() < LONGEST:
+        numbers = steps[alive] + change[alive] * length[alive, None]
+        now = compose(now, _frames_of(numbers, hand[alive]))
+        there = (nodes.at(now).max(axis=1) >= 0) & (numbers[:, SCALE] > 0)
+        alive, now = alive[there], now[np.flatnonzero(there)]
+        length[alive] += 1
+    return length

@@ -1,0 +1,165 @@
+"""Placement and round numbers: the last step to a recursion, and its proof.
+
+In comes a program in its own units; out comes the same with the turtle's first position, heading
+and step, with the angles as a person would write them, expanded and compared with the segments; or
+None where it does not draw them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from ipmlang.inverse.numbers import shortest
+from ipmlang.inverse.recursion.program import (
+    Body,
+    Branch,
+    Command,
+    Draw,
+    Grow,
+    Move,
+    Recursion,
+    Turn,
+    expand,
+    largest_error,
+)
+from ipmlang.inverse.recursion.strokes import Strokes
+
+PLACES = 7
+CLOSE = 100.0  # times the bound that a program may miss before its numbers are rounded
+
+
+def settled(program: Recursion, strokes: Strokes) -> Recursion | None:
+    """The program placed, with the shortest numbers that still draw the strokes."""
+    bound = 2 * strokes.tolerance
+    raw = _placed(program, strokes)
+    if raw is None or raw.error > CLOSE * bound:
+        return None
+    for rounded in _rounded(program):
+        placed = _placed(rounded, strokes)
+        if placed is not None and placed.error <= bound:
+            return _short_placement(placed, strokes)
+    return _short_placement(raw, strokes) if raw.error <= bound else None
+
+
+def _placed(program: Recursion, strokes: Strokes) -> Recursion | None:
+    """Moved, turned and scaled to the strokes, by least squares over all end points."""
+    drawn = expand(replace(program, step=1.0, at=0j, heading=0.0))
+    if len(drawn.start) != len(strokes):
+        return None
+    points = np.concatenate([drawn.start, drawn.end])
+    target = np.concatenate([strokes.start, strokes.end])
+    middle, aim = points.mean(), target.mean()
+    spread = float(np.sum(np.abs(points - middle) ** 2))
+    if spread == 0:
+        return None
+    factor = complex(np.sum((points - middle).conj() * (target - aim))) / spread
+    made = replace(
+        program,
+        step=abs(factor),
+        at=complex(aim - factor * middle),
+        heading=float(np.degrees(np.angle(factor))),
+    )
+    return _measured(made, strokes)
+
+
+def _measured(program: Recursion, strokes: Strokes) -> Recursion:
+    return replace(program, error=largest_error(expand(program), strokes.start, strokes.end))
+
+
+def _short_placement(placed: Recursion, strokes: Strokes) -> Recursion:
+    """Position, heading and step with as few digits as the error allows."""
+    bound = max(2 * placed.error, strokes.tolerance)
+    for places in range(PLACES + 3):
+        shorter = replace(
+            placed,
+            step=round(placed.step, places),
+            heading=round(placed.heading, places),
+            at=complex(round(placed.at.real, places), round(placed.at.imag, places)),
+        )
+        if shorter.step > 0 and _measured(shorter, strokes).error <= bound:
+            return _measured(shorter, strokes)
+    return placed
+
+
+def _rounded(program: Recursion) -> Iterator[Recursion]:
+    """The program with its angles as multiples of one short angle, then each short by itself."""
+    angles = sorted(set(_values(program, Turn)))
+    base = _common(angles)
+    for places in range(PLACES):
+        if base:
+            angle = round(base, places)
+            if angle:
+                yield replace(_mapped(program, partial(_whole, angle), places), angle=angle)
+    for places in range(PLACES):
+        plain = _mapped(program, partial(round, ndigits=places), places)
+        yield replace(plain, angle=_usual(plain))
+
+
+def _whole(unit: float, angle: float) -> float:
+    """The nearest multiple."""
+    return round(angle / unit) * unit
+
+
+def _values(program: Recursion, kind: type[Turn]) -> list[float]:
+    found: list[float] = []
+
+    def collect(body: Body) -> None:
+        for command in body:
+            if isinstance(command, kind):
+                found.append(abs(command.angle))
+            elif isinstance(command, Branch):
+                collect(command.body)
+
+    for body in program.bodies:
+        collect(body)
+    return found
+
+
+def _usual(program: Recursion) -> float:
+    """The most frequent angle."""
+    angles = _values(program, Turn)
+    return max(sorted(set(angles)), key=angles.count) if angles else 0.0
+
+
+def _common(angles: list[float]) -> float:
+    """The largest angle of which all are small multiples, 0 if there is none."""
+    if not angles:
+        return 0.0
+    smallest = min(angles)
+    for divisor in range(1, 7):
+        base = smallest / divisor
+        times = [round(angle / base) for angle in angles]
+        if all(abs(n * base - a) <= 0.02 * base for n, a in zip(times, angles, strict=True)):
+            return sum(angles) / sum(times)
+    return 0.0
+
+
+def _mapped(program: Recursion, turn: Callable[[float], float], places: int) -> Recursion:
+    """The program with its angles mapped and its lengths and scales rounded."""
+
+    def command(each: Command) -> Command:
+        match each:
+            case Turn(angle):
+                return Turn(turn(angle))
+            case Grow(factor):
+                return Grow(shortest(factor, 0.5 * 10.0 ** -(places + 1)))
+            case Draw(length):
+                return Draw(shortest(length, 0.5 * 10.0 ** -(places + 1)))
+            case Move(length):
+                return Move(shortest(length, 0.5 * 10.0 ** -(places + 1)))
+            case Branch(inner):
+                return Branch(tuple(command(part) for part in inner))
+            case _:
+                return each
+
+    rules = {name: tuple(map(command, body)) for name, body in program.rules.items()}
+    alternatives = {
+        name: tuple(replace(each, body=tuple(map(command, each.body))) for each in several)
+        for name, several in program.alternatives.items()
+    }
+    start = tuple(map(command, program.start))
+    return replace(program, rules=rules, start=start, alternatives=alternatives)

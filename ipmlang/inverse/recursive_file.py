@@ -1,0 +1,190 @@
+"""The grammar file of a drawing whose lines are what a recursion's turtle draws.
+
+Takes an observation; where a recursion explains one stretch of its lines, gives the file: the
+recursion's rules, a pen, and the elements before and after the stretch as they are. Styles that
+follow no rule stand in a residual table. Nothing here proves or writes to disk.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.compiler import ast
+from ipmlang.formats.drawing import Outline, Style
+from ipmlang.formats.svg.parts import write_parts
+from ipmlang.inverse.build import AXIOM, Builder
+from ipmlang.inverse.coats import declarations
+from ipmlang.inverse.grammar_file import (
+    Subject,
+    Written,
+    canvas,
+    parts_file,
+    spaced,
+    stored_tables,
+)
+from ipmlang.inverse.lsystem.frames import Complexes
+from ipmlang.inverse.moves import call
+from ipmlang.inverse.naming import Names, own_hint, shape_word
+from ipmlang.inverse.observation import Observation
+from ipmlang.inverse.reach import measure
+from ipmlang.inverse.recursion import Recursion, as_grammar, fold
+from ipmlang.inverse.simplify import make_book
+from ipmlang.inverse.terminals import asset_element
+
+TOLERANCE = 4e-7  # of the diagonal: what the ends of segments may be off
+MOST_OTHERS = 40  # elements that are not lines; with more the drawing is no turtle's
+RESIDUAL = "Looks"
+NO_STYLE = Style(fill="none", stroke="#000000", stroke_width=math.nan)  # that of a drawn segment
+Integers = NDArray[np.int64]
+
+
+def write_recursion(subject: Subject) -> tuple[Written, int] | None:
+    """The file and the number of its rules, or None where no recursion is found.
+
+    subject: an arrangement without rules.
+    """
+    observed = subject.observed
+    rows = _stretch(observed)
+    if rows is None:
+        return None
+    start, end = _ends(observed, rows)
+    styles = observed.style[rows].astype(np.int64)
+    found = fold(start, end, styles=styles, tolerance=_share(observed, start, end))
+    return None if found is None else (_written(subject, found, rows), _rules(found))
+
+
+def _share(observed: Observation, start: Complexes, end: Complexes) -> float:
+    """The tolerance as a share of the diagonal of the segments alone."""
+    points = np.concatenate([start, end])
+    extent = abs(complex(np.ptp(points.real), np.ptp(points.imag)))
+    return TOLERANCE * observed.diagonal / max(extent, 1e-300)
+
+
+def _rules(recursion: Recursion) -> int:
+    return len(recursion.rules) + sum(len(each) for each in recursion.alternatives.values())
+
+
+def _stretch(observed: Observation) -> Integers | None:
+    """The rows of all lines, if they follow each other and hardly anything else is there."""
+    line = np.zeros(len(observed), np.bool_)
+    for shape in observed.classes:
+        line[shape.members] = shape.kind == "line"
+    rows = np.flatnonzero(line)
+    plain = not any(style.effects for style in observed.styles)
+    few = len(observed) - len(rows) <= MOST_OTHERS
+    together = len(rows) > 0 and rows[-1] - rows[0] + 1 == len(rows)
+    drawable = all(_is_stroke(observed.styles[style]) for style in np.unique(observed.style[rows]))
+    return rows if plain and few and together and drawable else None
+
+
+def _is_stroke(style: Style) -> bool:
+    paints = isinstance(style.fill, str) and isinstance(style.stroke, str)
+    return paints and style.stroke_matrix is None and not style.dashes
+
+
+def _ends(observed: Observation, rows: Integers) -> tuple[Complexes, Complexes]:
+    """Both ends of lines as they were drawn, y up."""
+    outlines = [observed.drawing.elements[row].outline for row in rows.tolist()]
+    points = np.array([_both(each) for each in outlines if each is not None])
+    ends = points[:, :, 0] + 1j * (observed.flip - points[:, :, 1])
+    return ends[:, 0], ends[:, 1]
+
+
+def _both(outline: Outline) -> NDArray[np.float64]:
+    return np.asarray(outline.coords[0, :2], np.float64)
+
+
+def _written(subject: Subject, found: Recursion, rows: Integers) -> Written:
+    observed, names = subject.observed, Names()
+    given = _Others(subject, names)
+    taken = frozenset(given.named.values())
+    items = list(as_grammar(found, taken, _pens(observed, found)))
+    settings, *rules, start = items
+    assert isinstance(start, ast.Start)
+    first, last = int(rows[0]), int(rows[-1])
+    residual = _residual(observed, found, rows, names)
+    style = observed.styles[int(observed.style[first])]
+    if residual and residual[0].columns == ("stroke",):
+        style = replace(style, stroke=NO_STYLE.stroke)
+    pen = () if found.styles else (_pen(style),)
+    axiom = (
+        *given.placed(range(first)),
+        ast.Bracket((*pen, *start.axiom)),
+        *given.placed(range(last + 1, len(observed))),
+    )
+    tables, stored, cells = stored_tables(residual, subject)
+    made: list[ast.Item] = [ast.Version(1), *canvas(observed)]
+    if given.named:
+        made.append(ast.Asset(tuple(given.named.values()), parts_file(subject), True))
+    made += [*tables, settings, *(ast.Residual(each.name) for each in tables)]
+    made += [spaced(rule, first=k == 0) for k, rule in enumerate(rules)]
+    begin = start.axiom if len(axiom) == 1 and not pen else axiom
+    if len(axiom) == 1 and pen:
+        begin = (*pen, *start.axiom)
+    made.append(replace(start, axiom=begin))
+
+    def parts() -> str:
+        terminals = subject.instanced.terminals
+        shown = {name: [asset_element(terminals[k], None)] for k, name in given.named.items()}
+        return write_parts(shown, effects={}, tables=stored)
+
+    return Written(ast.Grammar(tuple(made)), parts, cells)
+
+
+def _pen(style: Style) -> ast.Module:
+    return call("css", ast.Text(declarations(NO_STYLE, style)))
+
+
+def _pens(observed: Observation, found: Recursion) -> dict[int, tuple[ast.Element, ...]]:
+    return {number: (_pen(observed.styles[number]),) for number in set(found.styles.values())}
+
+
+def _residual(
+    observed: Observation, found: Recursion, rows: Integers, names: Names
+) -> list[ast.Table]:
+    """What each element declares in place of the pen, where styles follow no rule."""
+    styles = observed.style[rows]
+    known = [observed.styles[number] for number in np.unique(styles).tolist()]
+    if found.styles or len(known) < 2:
+        return []
+    column = "stroke" if len({replace(each, stroke="none") for each in known}) == 1 else "css"
+    texts = [""] * len(observed)
+    for row, style in zip(rows.tolist(), styles.tolist(), strict=True):
+        own = observed.styles[style]
+        texts[row] = str(own.stroke) if column == "stroke" else declarations(NO_STYLE, own)
+    cells = tuple((ast.Text(text),) for text in texts)
+    return [ast.Table(names.give(RESIDUAL), None, (column,), cells)]
+
+
+class _Others:
+    """The elements that no recursion draws, one asset for each terminal."""
+
+    def __init__(self, subject: Subject, names: Names) -> None:
+        instanced, observed = subject.instanced, subject.observed
+        self.string = instanced.string
+        book = make_book(instanced.alphabet, instanced.string)
+        terminals = instanced.terminals
+        lines = [k for k, each in enumerate(terminals) if each.shape.kind == "line"]
+        used = sorted(set(self.string.symbol.tolist()) - set(lines))
+        self.named: dict[int, str] = {}
+        for number in used:
+            terminal = terminals[number]
+            kind = terminal.fragment.kind if terminal.fragment is not None else None
+            word = shape_word(terminal.shape.kind, terminal.shape.outline, kind)
+            hint = own_hint(observed.sources[terminal.row], 0)
+            self.named[number] = names.give(hint or word)
+        radius = {k: float(instanced.alphabet[k].radius) for k in range(len(terminals))}
+        reach = measure(book, radius, subject.share * observed.diagonal)
+        self.builder = Builder(book, reach, self.named, {}, names, "", {}, use_tables=False)
+
+    def placed(self, rows: range) -> Iterator[ast.Element]:
+        """Placements of these rows."""
+        for row in rows:
+            part = int(self.string.symbol[row])
+            place = self.string.placed[row : row + 1]
+            yield from self.builder.placed(AXIOM, part, place, alone=False)
