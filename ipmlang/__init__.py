@@ -14,7 +14,8 @@ The tour, from a text to a picture:
 3
 >>> ipmlang.save(scene, "fence.svg")  # doctest: +SKIP
 
-A file is `ipmlang.load("fence.ipm")`; `ipmlang.infer("fence.svg")` turns a drawing into a grammar.
+A file is `ipmlang.load("fence.ipm")`; `ipmlang.infer("fence.svg")` turns a drawing into a grammar;
+`ipmlang.edit` changes one into another: values set, numbers randomised, symbols replaced.
 Every error is an `ipmlang.IpmError`, whose `diagnostics` say what, where and how to mend it.
 """
 
@@ -30,7 +31,7 @@ from ipmlang.compiler.diagnostics import Diagnostic, IpmError
 if TYPE_CHECKING:
     from ipmlang.compiler.checked import Checked
     from ipmlang.compiler.ir import Limits, Program
-    from ipmlang.inverse import Inference
+    from ipmlang.inverse import Inference, Weights
     from ipmlang.runtime.scene import Scene
 
 __all__ = ["Grammar", "IpmError", "infer", "load", "parse", "save"]
@@ -87,14 +88,39 @@ def parse(text: str, *, folder: str | Path = ".") -> Grammar:
     return Grammar(*compile_text(text, folder=Path(folder)))
 
 
-def infer(path: str | Path, *, method: str = "auto", flat: bool = False) -> Inference:
+def infer(
+    path: str | Path,
+    *,
+    method: str = "auto",
+    flat: bool = False,
+    weights: Weights | None = None,
+    similarity: float = 1.0,
+    within: float | None = None,
+    symmetrize: bool = False,
+    paper: bool = False,
+    explain: bool = False,
+) -> Inference:
     """Read a drawing and find the grammar a person would have written for it.
 
-    `flat` keeps one placement per element. The result has the grammar, a report and `save(path)`.
+    `flat` keeps one placement per element. `weights` (`ipmlang.inverse.Weights`) say what to prefer
+    where groups compete; shapes at least so similar (0.6 to 1) are one; `within` is the share of
+    the diagonal that the grammar may be off; `symmetrize` gives the regular grammar of a drawing
+    with noise; `paper` also prints rules that do not pay; `explain` keeps what won in each round.
+    The result has the grammar, a report, the explanation and `save(path)`.
     """
     from ipmlang.inverse import infer as infer_file
 
-    return infer_file(Path(path), method=method, flat=flat)
+    return infer_file(
+        Path(path),
+        method=method,
+        flat=flat,
+        weights=weights,
+        similarity=similarity,
+        within=within,
+        symmetrize=symmetrize,
+        paper=paper,
+        explain=explain,
+    )
 
 
 def save(scene: Scene, path: str | Path) -> None:

@@ -1,5 +1,5 @@
-"""The commands `infer`, `run`, `check` and `fmt`: the only code that prints, exits or renders
-diagnostics.
+"""The commands `run`, `check` and `fmt`, and where all commands come together: the only code that
+exits. `infer`, `edit` and `vary` stand in files of their own.
 
 Each command reads files, calls the library, and prints either a few lines for a person or, with
 `--json`, one object for a machine. Exit codes: 0 fine, 1 the user's file is wrong, 2 the command is
@@ -18,11 +18,12 @@ from typing import TYPE_CHECKING
 import click
 
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail
-from ipmlang.edit_commands import edit, vary_file
+from ipmlang.edit_commands import edit
+from ipmlang.infer_command import infer_file
 from ipmlang.telling import findings_record, show, working
+from ipmlang.vary_command import vary_file
 
 if TYPE_CHECKING:
-    from ipmlang.inverse import Inference
     from ipmlang.runtime.scene import Scene
 
 USER_FILE_WRONG, COMMAND_WRONG = 1, 2
@@ -82,6 +83,7 @@ def commands() -> None:
     """
 
 
+commands.add_command(infer_file)
 commands.add_command(edit)
 commands.add_command(vary_file)
 
@@ -98,9 +100,8 @@ commands.add_command(vary_file)
 @click.option(
     "--seed",
     type=click.IntRange(0, 2**64 - 1),
-    default=0,
-    show_default=True,
-    help="the number all randomness comes from",
+    help="the number all randomness comes from; without one it is 0, and the choices that a "
+    "grammar brings along are replayed",
 )
 @click.option(
     "--set",
@@ -129,7 +130,7 @@ commands.add_command(vary_file)
 def run(
     file: Path,
     output: Path,
-    seed: int,
+    seed: int | None,
     settings: tuple[str, ...],
     backend: str,
     limits: tuple[str, ...],
@@ -160,6 +161,8 @@ def run(
             limits=parse_limits(grammar.program.limits, limits),
         )
     derived = time.process_time()
+    for note in scene.notes:
+        click.echo(f"note: {note}", err=True)
     with working(f"writing {output.name}"):
         save(scene, output, instancing=instancing)
     report = run_report(scene, derived - started, time.process_time() - derived, output)
@@ -167,43 +170,6 @@ def run(
         click.echo(json.dumps(report))
     else:
         click.echo(f"{output}: {len(scene.instances)} terminals in {report['seconds']:.3g} s")
-
-
-@commands.command()
-@click.argument("file", type=click.Path(path_type=Path, readable=False))
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path, readable=False),
-    help="the grammar to write, .ipm; its parts file goes beside it",
-)
-@click.option(
-    "--method",
-    type=click.Choice(["auto", "lsystem", "split", "docking"]),
-    default="auto",
-    show_default=True,
-    help="which inverse method",
-)
-@click.option("--flat", is_flag=True, help="one placement per element, no rules: the baseline")
-@click.option("--json", "as_json", is_flag=True, help="print one JSON object")
-def infer(file: Path, output: Path | None, method: str, flat: bool, as_json: bool) -> None:
-    """Read the drawing in FILE and write the grammar a person would have written.
-
-    The grammar is derived and compared with the drawing before it is written.
-
-    \b
-    Example:
-      ipmlang infer garden.svg -o garden.ipm
-    """  # fmt: skip
-    from ipmlang.arguments import check_inference
-    from ipmlang.inverse import infer as infer_file
-
-    check_inference(file, output)
-    with working(f"reading {file.name}") as say:
-        found = infer_file(file, method=method, flat=flat, progress=say)
-    if output is not None:
-        found.save(output)
-    tell_inference(found, output, as_json)
 
 
 @commands.command()
@@ -314,16 +280,6 @@ def run_report(scene: Scene, seconds: float, writing: float, output: Path) -> di
         "seed": scene.seed,
         "backend": scene.backend,
     }
-
-
-def tell_inference(found: Inference, output: Path | None, as_json: bool) -> None:
-    """Print an inference: its report as JSON, its summary, or, without an output, the grammar."""
-    if as_json:
-        click.echo(json.dumps(found.report.as_record()))
-    elif output is None:
-        click.echo(found.text, nl=False)
-    else:
-        click.echo(f"{output}: {found.report.summary()}")
 
 
 def peak_memory() -> int:

@@ -21,7 +21,6 @@ from ipmlang.edit.places import Found, Place
 from ipmlang.edit.selection import Selection, select
 from ipmlang.edit.symbols import mapped
 
-
 STEPS = "steps"
 
 
@@ -99,7 +98,10 @@ def _with_loose_steps(draft: Draft, steps: Sequence[ast.Expr], by: Amount) -> Dr
 
 
 def _is_loose(end: tuple[ast.Element, ...]) -> bool:
+    """Whether a body ends in what an earlier call put there, or in what this one left of it."""
     match end:
+        case (ast.Module("f", (ast.Argument(ast.Number(0)),)),):
+            return True
         case (ast.Module("f", (ast.Argument(ast.Call("rand", args)),)),):
             return _are_ends(args) and _are_opposite(args)
         case _:

@@ -36,9 +36,12 @@ class Tolerances:
 
 @dataclass(frozen=True, slots=True)
 class _Value:
-    """A literal of some kind: a place by its number, or the default of an item."""
+    """A literal of some kind: a place by its number, or the default of an item. Only values of one
+    `family` become equal: coordinates in the frame of one rule, steps anywhere.
+    """
 
     kind: Kind
+    family: str
     value: float
     place: int | None
     item: int | None
@@ -57,9 +60,9 @@ def symmetrise(draft: Draft, tolerances: Tolerances | None = None) -> Draft:
     values = _values(draft.grammar)
     limits = _limits(values, tolerances or Tolerances())
     after: dict[int, float] = {}
-    for kind, limit in limits.items():
-        own = [number for number, each in enumerate(values) if each.kind == kind]
-        common = _common([abs(values[number].value) for number in own], kind, limit)
+    for kind, family in dict.fromkeys((each.kind, each.family) for each in values):
+        own = [k for k, each in enumerate(values) if (each.kind, each.family) == (kind, family)]
+        common = _common([abs(values[number].value) for number in own], kind, limits[kind])
         after |= dict(zip(own, common, strict=True))
     made: dict[int, ast.Expr] = {}
     items: dict[int, float] = {}
@@ -101,15 +104,20 @@ def _values(grammar: ast.Grammar) -> list[_Value]:
             kinds[expr.id] = place.kind
     cells = _cells(grammar, kinds)
     found = [
-        _Value(kind, expr.value, number, None)
+        _Value(kind, _family(place), expr.value, number, None)
         for number, (place, expr) in enumerate(every)
         if isinstance(expr, ast.Number) and (kind := _kind(place, cells)) is not None
     ]
     for number, item in enumerate(grammar.items):
         value = _default(item)
         if value is not None and isinstance(item, ast.Attr | ast.Const) and item.name in kinds:
-            found.append(_Value(kinds[item.name], value, None, number))
+            found.append(_Value(kinds[item.name], "", value, None, number))
     return found
+
+
+def _family(place: Place) -> str:
+    is_coordinate = place.parameter in ("x", "y", "z") or place.operation == "row"
+    return place.rule if is_coordinate else ""
 
 
 def _kind(place: Place, cells: Mapping[tuple[str, str], Kind]) -> Kind | None:

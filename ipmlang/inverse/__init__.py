@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import Source, fail
@@ -18,21 +19,28 @@ from ipmlang.compiler.parse import parse
 from ipmlang.compiler.tokens import count_text_tokens
 from ipmlang.formats import FormatError
 from ipmlang.formats.drawing import Drawing
+from ipmlang.inverse.options import Options, Weights, check_options
 from ipmlang.inverse.report import Report
 
-__all__ = ["Inference", "Report", "infer"]
+if TYPE_CHECKING:
+    from ipmlang.inverse.explanation import Explanation
+
+__all__ = ["Inference", "Report", "Weights", "infer"]
 
 Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Inference:
-    """A proven grammar. stem: the name its text uses for the parts file; parts: that file."""
+    """A proven grammar. stem: the name its text uses for the parts file; parts: that file;
+    explanation: what won in each round, where that was asked for.
+    """
 
     grammar: ast.Grammar
     parts: bytes
     report: Report
     stem: str
+    explanation: Explanation | None = None
 
     @property
     def text(self) -> str:
@@ -70,21 +78,31 @@ def infer(
     *,
     method: str = "auto",
     flat: bool = False,
+    weights: Weights | None = None,
+    similarity: float = 1.0,
+    within: float | None = None,
+    symmetrize: bool = False,
+    paper: bool = False,
+    explain: bool = False,
     progress: Progress | None = None,
 ) -> Inference:
-    """The grammar of a drawing. `flat`: one placement per element and no rules, the baseline.
+    """The grammar of a drawing. `flat`: one placement per element and no rules, the baseline. The
+    others are those of `Options`: by default the grammar is exact and the shortest one found.
 
-    Raises IpmError for a file that cannot be read, and for methods that are not there yet.
+    Raises IpmError for a file that cannot be read, for methods that are not there yet, and for
+    options out of their range.
     """
     path = Path(path)
     _check_method(path, method)
+    options = Options(weights or Weights(), similarity, within, symmetrize, paper, explain)
+    check_options(options)
     started = time.process_time()
     say = progress or (lambda _: None)
     say(f"reading {path.name}")
     drawing = _read(path)
     from ipmlang.inverse.attempt import best_grammar
 
-    made = best_grammar(drawing, _stem(path), flat, say)
+    made = best_grammar(drawing, _stem(path), flat, say, options)
     text = format_grammar(made.grammar)
     report = replace(
         made.report,
@@ -96,7 +114,8 @@ def infer(
         notes=_notes(drawing),
     )
     grammar = replace(made.grammar, header=_header(path, report, flat))
-    return Inference(grammar, made.parts.encode("utf-8"), report, _stem(path))
+    parts = made.parts.encode("utf-8")
+    return Inference(grammar, parts, report, _stem(path), made.explanation)
 
 
 def _check_method(path: Path, method: str) -> None:
@@ -163,6 +182,18 @@ def _header(path: Path, report: Report, flat: bool) -> tuple[ast.Comment, ...]:
         rules = f"{report.rules} rule{'s' * (report.rules != 1)}"
         explained = f"{rules} for {share} of them" if report.rules else "no rule pays"
         lines.append(f"Found: {explained}; {report.tokens} tokens instead of {report.tokens_flat}.")
-    lines.append(f"Largest error: {report.max_error:.1e} of the diagonal.")
+    lines.append(_largest_error(report))
     lines += [f"Note: {note}" for note in report.notes]
     return tuple(ast.Comment(line.replace("\n", " ")) for line in lines)
+
+
+def _largest_error(report: Report) -> str:
+    """How exact the grammar is, and which rule is worst where it is not meant to be exact."""
+    line = f"Largest error: {report.max_error:.1e} of the diagonal"
+    if report.mode == "ideal":
+        line += ", similar shapes being one"
+    elif report.mode == "within":
+        line += f", {report.limit:.1e} being allowed"
+    if report.rule_errors:
+        line += f"; most of it in {report.rule_errors[0].rule}"
+    return line + "."

@@ -12,21 +12,38 @@ from dataclasses import dataclass, replace
 from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import IpmError, fail
 from ipmlang.compiler.format import format_grammar
-from ipmlang.compiler.tokens import count_text_tokens
 from ipmlang.formats.drawing import Drawing
 from ipmlang.inverse.compare import Comparison
-from ipmlang.inverse.grammar_file import Subject, Written, occurrences, write_grammar
+from ipmlang.inverse.deviations import rule_errors
+from ipmlang.inverse.explanation import Explanation, explain
+from ipmlang.inverse.grammar_file import (
+    Subject,
+    Written,
+    occurrences,
+    symbol_names,
+    write_grammar,
+)
+from ipmlang.inverse.lattice_choice import with_lattices
+from ipmlang.inverse.lsystem.curves import moved
+from ipmlang.inverse.lsystem.importance import Measure
+from ipmlang.inverse.lsystem.journal import Journal
 from ipmlang.inverse.lsystem.rules import Search
 from ipmlang.inverse.lsystem.symbols import Arrangement
-from ipmlang.inverse.observation import Observation, observe
+from ipmlang.inverse.lsystem.trees import TreeSearch
+from ipmlang.inverse.observation import Observation
+from ipmlang.inverse.options import USUAL, Options
 from ipmlang.inverse.prove import prove
 from ipmlang.inverse.recursive_file import write_recursion
-from ipmlang.inverse.report import Report
+from ipmlang.inverse.report import Report, RuleError
 from ipmlang.inverse.simplify import AXIOM, Book, drop_poor_rules, make_book, recentre
+from ipmlang.inverse.tapers import complete_tapers
 from ipmlang.inverse.terminals import Instanced, grouped, instances
-from ipmlang.inverse.upright import make_upright
+from ipmlang.inverse.tolerances import Tolerances, seen
+from ipmlang.inverse.upright import make_upright, settle_terminals
 
-LIMIT = 1e-6  # of the diagonal: what every element must be given back within
+LEAST_REGULAR = 0.3  # of the flat tokens: what is shorter needs no other look
+FEW = 600  # elements for which a second look costs hardly any time
+MOST_SCATTERED = 6000  # symbols among which lattices are looked for
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,6 +53,7 @@ class Made:
     grammar: ast.Grammar
     parts: str
     report: Report
+    explanation: Explanation | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,43 +66,92 @@ class Counts:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Attempt:
-    """A file that could be the answer, and what it would take in tokens."""
+class Goal:
+    """What is to be given back, how exactly, and what a person asked for."""
 
+    drawing: Drawing
+    observed: Observation
+    stem: str
+    options: Options
+    given: Tolerances
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Found:
+    """What a search found, and the file that says it."""
+
+    book: Book
+    subject: Subject
+    written: Written
+    journal: Journal
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Attempt:
+    """A file that could be the answer, in a word how it was found, and what it takes in tokens."""
+
+    name: str
     write: Callable[[], Written]
     counts: Counts
     tokens: int
 
 
-def best_grammar(drawing: Drawing, stem: str, flat: bool, say: Callable[[str], None]) -> Made:
+def best_grammar(
+    drawing: Drawing,
+    stem: str,
+    flat: bool,
+    say: Callable[[str], None],
+    options: Options = USUAL,
+) -> Made:
     """The shortest grammar that draws the drawing again."""
     say("looking for equal shapes")
-    observed = observe(drawing)
+    observed, given = seen(drawing, options)
+    goal = Goal(drawing, observed, stem, options, given)
     ways = instances(observed)
+    for way in ways:
+        way.alphabet.tolerance = given.search * observed.diagonal
     alone = grouped(observed, ways[0], shared=False)
-    plain = Subject(observed, alone, stem, use_tables=False)
+    plain = Subject(observed, alone, stem, given.rounding, use_tables=False)
     flat_book = make_book(alone.alphabet, alone.string)
     flat_file = write_grammar(flat_book, plain)
-    flat_tokens = _tokens(flat_file)
+    flat_tokens = flat_file.tokens
     attempts: list[Attempt] = []
+    found: Found | None = None
     if not flat:
         say("looking for recursion")
         attempts += _recursive(replace(plain, use_tables=True))
         say("looking for rules")
-        every = [_searched(observed, way, stem, say) for way in ways]
-        book, found, shown = min(every, key=lambda each: _tokens(each[2]))
-        exact = replace(found, share=1e-12)
-        counts = _counts(book, len(observed))
-        attempts.append(Attempt(lambda: shown, counts, _tokens(shown)))
-        attempts.append(Attempt(lambda: write_grammar(book, exact), counts, _tokens(shown)))
+        # Where a recursion draws everything, no other way to see its lines is worth the time.
+        ways = ways[:1] if attempts else ways
+        trees = TreeSearch()
+        tried = [_searched(goal, way, say, trees) for way in ways]
+        found = min(tried, key=lambda each: each.written.weight)
+        irregular = found.written.tokens > LEAST_REGULAR * flat_tokens or len(observed) <= FEW
+        if irregular and len(observed) <= MOST_SCATTERED and not attempts:
+            say("looking for lattices")
+            again = [_searched(goal, way, say, trees, True) for way in instances(observed)]
+            again = [each for each in again if each.book.lattices]
+            found = min([*again, found], key=lambda each: each.written.weight)
+        attempts += _written_out(found, len(observed))
         attempts.sort(key=lambda each: each.tokens)
-        attempts = [each for each in attempts if each.tokens <= flat_tokens]
+        if not options.paper:
+            attempts = [each for each in attempts if each.tokens <= flat_tokens]
     none = _counts(flat_book, len(observed))
     finest = replace(plain, share=1e-15)
-    attempts.append(Attempt(lambda: flat_file, none, flat_tokens))
-    attempts.append(Attempt(lambda: write_grammar(flat_book, finest), none, flat_tokens))
+    attempts.append(Attempt("flat", lambda: flat_file, none, flat_tokens))
+    attempts.append(Attempt("flat", lambda: write_grammar(flat_book, finest), none, flat_tokens))
     say("deriving what was found")
-    return _first_right(drawing, observed, attempts, stem, flat_tokens)
+    return _first_right(goal, attempts, found, flat_tokens)
+
+
+def _written_out(found: Found, elements: int) -> list[Attempt]:
+    """The rules as they are printed, and with every digit."""
+    book, exact = found.book, replace(found.subject, share=1e-12)
+    counts, tokens = _counts(book, elements), found.written.tokens
+    return [
+        Attempt("rules", lambda: found.written, counts, tokens),
+        Attempt("rules", lambda: write_grammar(book, exact), counts, tokens),
+    ]
 
 
 def _recursive(subject: Subject) -> list[Attempt]:
@@ -93,74 +160,117 @@ def _recursive(subject: Subject) -> list[Attempt]:
     if found is None:
         return []
     written, rules = found
-    return [Attempt(lambda: written, Counts(rules, rules, 1.0), _tokens(written))]
+    return [Attempt("recursion", lambda: written, Counts(rules, rules, 1.0), written.tokens)]
 
 
 def _searched(
-    observed: Observation, way: Instanced, stem: str, say: Callable[[str], None]
-) -> tuple[Book, Subject, Written]:
-    """What is found when the drawing is seen in one way."""
-    instanced = grouped(observed, way, shared=True)
-    book, string = _found(instanced, say)
-    subject = Subject(observed, replace(instanced, string=string), stem)
-    return book, subject, write_grammar(book, subject)
-
-
-def _found(instanced: Instanced, say: Callable[[str], None]) -> tuple[Book, Arrangement]:
-    """The simplified rules, and the string that is left."""
+    goal: Goal, way: Instanced, say: Callable[[str], None], trees: TreeSearch, first: bool = False
+) -> Found:
+    """What is found when the drawing is seen in one way; first: lattices before other rules."""
+    instanced = grouped(goal.observed, way, shared=True)
     bodies = dict(instanced.bodies)
-    search = Search(instanced.alphabet, instanced.seen, instanced.string, say, bodies)
+    given, scattered = instanced.string, not instanced.effects
+    if first:
+        given = with_lattices(instanced.alphabet, given, scattered)
+    search = Search(
+        instanced.alphabet, instanced.seen, given, say, bodies, goal.options, trees=trees
+    )
+    search.measure = _measure(instanced, goal)
     string = search.run()
+    if len(string) <= MOST_SCATTERED and not goal.options.paper:
+        string = with_lattices(instanced.alphabet, string, scattered)
+    book = _simplified(instanced, string, goal.options)
+    instanced = replace(instanced, string=string)
+    subject = Subject(goal.observed, instanced, goal.stem, goal.given.rounding)
+    return Found(book, subject, write_grammar(book, subject), search.journal)
+
+
+def _measure(instanced: Instanced, goal: Goal) -> Measure | None:
+    """What measures clusters, where somebody asks for it."""
+    if goal.options.weights.neutral and not (goal.options.explain or goal.options.paper):
+        return None
+    outlines = [
+        None if each.shape.outline is None else moved(each.shape.outline, each.base)
+        for each in instanced.terminals
+    ]
+    return Measure(outlines, goal.observed.diagonal)
+
+
+def _simplified(instanced: Instanced, string: Arrangement, options: Options) -> Book:
+    """The rules that the string needs, the poor ones written out."""
     book = make_book(instanced.alphabet, string)
-    drop_poor_rules(book)
+    if options.paper:
+        book.drop_unused()
+    else:
+        drop_poor_rules(book)
+    complete_tapers(book, instanced.alphabet)
     make_upright(book, instanced.alphabet)
     recentre(book)
-    return book, string
-
-
-def _tokens(written: Written) -> int:
-    return count_text_tokens(format_grammar(written.grammar)) + written.table_tokens
+    settle_terminals(book, instanced.alphabet)
+    return book
 
 
 def _first_right(
-    drawing: Drawing,
-    observed: Observation,
-    attempts: list[Attempt],
-    stem: str,
-    flat_tokens: int,
+    goal: Goal, attempts: list[Attempt], found: Found | None, flat_tokens: int
 ) -> Made:
     """The first attempt whose derivation agrees with the drawing."""
     wrong: Comparison | None = None
+    limit = goal.given.proof
     for attempt in attempts:
         written = attempt.write()
         parts = written.parts()
         try:
-            comparison = prove(drawing, format_grammar(written.grammar), parts, stem)
+            text = format_grammar(written.grammar)
+            comparison = prove(goal.drawing, text, parts, goal.stem, limit)
         except IpmError:
             if attempt is attempts[-1]:
                 raise
             continue
-        if comparison.agrees(LIMIT):
-            report = _report(observed, attempt.counts, written, comparison, flat_tokens)
-            return Made(written.grammar, parts, report)
+        if comparison.agrees(limit):
+            report = _report(goal, attempt, written, comparison, flat_tokens)
+            if found is None:
+                return Made(written.grammar, parts, report)
+            if attempt.name == "rules" and goal.options.mode != "exact":
+                report = replace(report, rule_errors=_rule_errors(found))
+            return Made(
+                written.grammar, parts, report, _explanation(goal, found, attempts, attempt)
+            )
         wrong = comparison
     assert wrong is not None
     raise fail(
         "not-given-back",
-        f"no grammar draws this again within {LIMIT:g} of its diagonal: {wrong.missing} elements "
+        f"no grammar draws this again within {limit:g} of its diagonal: {wrong.missing} elements "
         f"missing, {wrong.style_differences} styled otherwise, error {wrong.max_error:.1e}",
         hint="this is a fault of ipmlang; please report the drawing",
     )
 
 
+def _rule_errors(found: Found) -> tuple[RuleError, ...]:
+    instanced = found.subject.instanced
+    names = symbol_names(found.book, found.subject)
+    diagonal = found.subject.observed.diagonal
+    return rule_errors(instanced.alphabet, instanced.seen, instanced.string, names, diagonal)
+
+
+def _explanation(
+    goal: Goal, found: Found, attempts: list[Attempt], chosen: Attempt
+) -> Explanation | None:
+    if not goal.options.explain:
+        return None
+    tokens = {each.name: each.tokens for each in attempts}
+    names = symbol_names(found.book, found.subject)
+    alphabet = found.subject.instanced.alphabet
+    return explain(found.journal, alphabet, names, tuple(tokens.items()), chosen.name)
+
+
 def _explained(book: Book, rule: int) -> int:
     """How many elements of a body are drawn by rules, those of groups written out in it too."""
-    inlined = book.inlined()
+    inlined, structures = book.inlined(), set(book.rules())
     total = 0
     for part in book.bodies[rule].parts.tolist():
         if part in inlined:
             total += _explained(book, part)
-        elif part in book.bodies or part in book.family:
+        elif part in structures or part in book.family:
             total += int(book.size[part])
     return total
 
@@ -168,21 +278,18 @@ def _explained(book: Book, rule: int) -> int:
 def _counts(book: Book, elements: int) -> Counts:
     drawn = occurrences(book)
     written = book.inlined() | {AXIOM}
-    rules = [rule for rule in (*book.bodies, *book.loops) if rule not in written]
+    rules = [rule for rule in book.rules() if rule not in written]
     explained = _explained(book, AXIOM) / max(1, elements)
     return Counts(len(rules), sum(drawn[rule] > 1 for rule in rules), explained)
 
 
 def _report(
-    observed: Observation,
-    counts: Counts,
-    written: Written,
-    comparison: Comparison,
-    flat_tokens: int,
+    goal: Goal, attempt: Attempt, written: Written, comparison: Comparison, flat_tokens: int
 ) -> Report:
+    counts = attempt.counts
     return Report(
         method="lsystem",
-        elements=len(observed),
+        elements=len(goal.observed),
         explained=counts.explained,
         rules=counts.rules,
         rules_twice=counts.twice,
@@ -193,4 +300,6 @@ def _report(
         grammar_bytes=0,
         parts_bytes=0,
         seconds=0.0,
+        mode=goal.options.mode,
+        limit=goal.given.proof,
     )

@@ -12,18 +12,21 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ipmlang.compiler import ast
+from ipmlang.inverse.lattice_print import printed
 from ipmlang.inverse.lsystem.frames import Frames
 from ipmlang.inverse.moves import call, even_place, polar_place, turns, turtle_step
 from ipmlang.inverse.naming import Names
-from ipmlang.inverse.numbers import ROOM, number, settled, shortest
+from ipmlang.inverse.numbers import ROOM, linear, number, settled, shortest
 from ipmlang.inverse.reach import Reach
-from ipmlang.inverse.score import SMALL
-from ipmlang.inverse.simplify import AXIOM, Book, Loop
+from ipmlang.inverse.recursion import branching_rules
+from ipmlang.inverse.simplify import AXIOM, Body, Book, Loop
+from ipmlang.inverse.tapers import Taper, taper_at
+from ipmlang.inverse.wording import Wording, plain_row, worded
 
 LABELS = ("x", "y", "angle", "scale")
 TABLE_ROWS = 8  # fewer placements of one symbol are written out
 VARIABLES = ("i", "j", "k")  # of sequences in sequences
-LIFTED = 4  # how many counts, and how many steps, become attributes
+LIFTED = 6  # how many counts and steps become attributes
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,20 +57,26 @@ class Builder:
     tables: list[ast.Table] = field(default_factory=list)
     _inlined: set[int] = field(default_factory=set)
     _nested: set[int] = field(default_factory=set)
+    _scattered: set[int] = field(default_factory=set)
     _counts: dict[int, str] = field(default_factory=dict)
     _steps: dict[int, str] = field(default_factory=dict)
 
     def rules(self) -> list[ast.Rule]:
         """All rules, from the axiom downwards."""
         self._inlined = self.book.inlined()
-        self._lift()
+        self._scattered = set(self.book.scattered())
         self._nested = self.nested()
+        self._lift()
         body = tuple(self._body(AXIOM)) or (ast.Module("nil"),)
         made = [ast.Rule(ast.Head(self.axiom), body)]
         for rule in self._order()[1:]:
             if rule in self._inlined or rule in self._nested:
                 continue
-            if rule in self.book.loops:
+            if rule in self.book.lattices:
+                made.append(self._lattice_rule(rule))
+            elif rule in self.book.trees:
+                made += self._tree_rules(rule)
+            elif rule in self.book.loops:
                 made.append(self._loop_rule(rule))
             else:
                 made.append(ast.Rule(ast.Head(self.names[rule]), tuple(self._body(rule))))
@@ -79,7 +88,31 @@ class Builder:
             yield ast.Bracket(self._wrapped(rule))
             return
         body = self.book.bodies[rule]
-        yield from self._run(rule, body.parts.tolist(), body.places)
+        if rule == AXIOM and self._scattered:
+            yield from self._layered(body)
+        else:
+            yield from self._run(rule, body.parts.tolist(), body.places)
+
+    def _layered(self, body: Body) -> Iterator[ast.Element]:
+        """The axiom where some lattices are painted among other things: they come first, with a
+        layer for each member, and all else is raised to where it was.
+        """
+        lattices = self.book.lattices
+        scattered = np.array([part in self._scattered for part in body.parts.tolist()], np.bool_)
+        for row in np.flatnonzero(scattered).tolist():
+            yield from self.placed(AXIOM, int(body.parts[row]), body.places[row : row + 1], False)
+        marks = np.sort(np.concatenate([lattices[part].drawn for part in self._scattered]))
+        rows = np.flatnonzero(~scattered)
+        before = np.searchsorted(marks, self.book.ranks[rows])
+        level = 0
+        for chunk in np.split(rows, np.flatnonzero(np.diff(before)) + 1):
+            if not len(chunk):
+                continue
+            rank = int(self.book.ranks[chunk[0]])
+            if np.searchsorted(marks, rank) and rank != level:
+                yield call("layer", number(float(rank - level)))
+                level = rank
+            yield from self._run(AXIOM, body.parts[chunk].tolist(), body.places[chunk])
 
     def _wrapped(self, rule: int) -> tuple[ast.Element, ...]:
         """`effect("x.parts.svg#clip") A B`, for a bracket."""
@@ -89,18 +122,20 @@ class Builder:
 
     def _order(self) -> list[int]:
         """Rules by their distance from the axiom, in the order of their first use."""
-        order, known = [AXIOM], {AXIOM}
+        order, known, rules = [AXIOM], {AXIOM}, set(self.book.rules())
         for rule in order:
             for part in self._named_in(rule):
-                if part not in known and (part in self.book.bodies or part in self.book.loops):
+                if part not in known and part in rules:
                     known.add(part)
                     order.append(part)
         return order
 
     def _named_in(self, rule: int) -> list[int]:
         family = self.book.family
-        if rule in self.book.loops:
-            part = self.book.loops[rule].part
+        if rule not in self.book.bodies:
+            structures = {**self.book.trees, **self.book.lattices}
+            loops = self.book.loops
+            part = loops[rule].part if rule in loops else structures[rule].part
             return [family.get(part, part)]
         parts = self.book.bodies[rule].parts.tolist()
         return list(dict.fromkeys(family.get(part, part) for part in parts))
@@ -130,6 +165,9 @@ class Builder:
 
     def _module(self, part: int) -> ast.Module:
         part = self._asset(part)
+        if part in self.book.trees:
+            depth = ast.Number(float(self.book.trees[part].branching.depth))
+            return ast.Module(self.names[part], (ast.Argument(depth),))
         family = self.book.family.get(part, part)
         if part in self.book.family and self._parametric(family):
             count = ast.Argument(ast.Number(float(self.book.count[part])))
@@ -163,7 +201,13 @@ class Builder:
     def _run(self, rule: int, parts: list[int], places: Frames) -> Iterator[ast.Element]:
         """Placements in paint order, long runs of one symbol as tables."""
         start, alone = 0, len(parts) == 1
+        body = Body(np.array(parts, np.int64), places)
         while start < len(parts):
+            taper = taper_at(self.book, body, start, 30 * self.book.small)
+            if taper is not None:
+                yield self._tapered(rule, parts[start : start + taper.rows], taper)
+                start += taper.rows
+                continue
             end = start + 1
             asset, hand = self._asset(parts[start]), places.handedness[start]
             while end < len(parts) and self._asset(parts[end]) == asset:
@@ -176,6 +220,23 @@ class Builder:
                 for row in range(start, end):
                     yield from self.placed(rule, parts[row], places[row : row + 1], alone)
             start = end
+
+    def _tapered(self, rule: int, parts: list[int], taper: Taper) -> ast.Element:
+        """`repeat(i < 9) { [at(11 + 14 * i, 11 + 12 * i) Row(20 - 2 * i)] }`"""
+        errors = self._errors(rule, parts[0], float(taper.at(0).scale[0]))
+        x, y, angle, scale = (
+            linear(first, step, VARIABLES[0], (error, error / taper.rows))
+            for first, step, error in zip(
+                taper.first, taper.step, (errors[0], *errors), strict=True
+            )
+        )
+        turned, scaled = angle != ast.Number(0.0), scale != ast.Number(1.0)
+        more = [angle] * (turned or scaled) + [scale] * scaled
+        mirror = [ast.Module("mirror")] * (taper.handedness < 0)
+        count = linear(float(taper.count), float(taper.slope), VARIABLES[0], (0.0, 0.0))
+        row = ast.Module(self._module(parts[0]).name, (ast.Argument(count),))
+        body = ast.Bracket((call("at", x, y, *more), *mirror, row))
+        return ast.Repeat(ast.Count(VARIABLES[0], number(float(taper.rows))), (body,))
 
     def _table(self, rule: int, parts: list[int], places: Frames) -> ast.Element:
         """`repeat(r in T) { [at(r.x, r.y) A] }`."""
@@ -214,6 +275,29 @@ class Builder:
             )
         ]
 
+    # --------------------------------------------------------------------- trees
+
+    def _tree_rules(self, rule: int) -> tuple[ast.Rule, ...]:
+        """`R(m) : m > 0 --> A [+(17) f(64) R(m - 1)] …`"""
+        tree = self.book.trees[rule]
+        node: ast.Element = self._module(tree.part)
+        if not self._stays(tree.part):
+            node = ast.Bracket((node,))
+        return branching_rules(tree.branching, self.names[rule], (node,))
+
+    def _lattice_rule(self, symbol: int) -> ast.Rule:
+        rule = self.book.lattices[symbol]
+        node: ast.Element = self._module(rule.part)
+        if not self._stays(rule.part):
+            node = ast.Bracket((node,))
+        scale = float(rule.formula.frames().scale.max())
+        errors = self._errors(symbol, rule.part, scale)
+        name = self.given.give("Rest")
+        loop, table = printed(rule, (node,), errors, symbol in self._scattered, name)
+        if table is not None:
+            self.tables.append(table)
+        return ast.Rule(ast.Head(self.names[symbol]), (loop,))
+
     # --------------------------------------------------------------------- loops
 
     def _parametric(self, family: int) -> bool:
@@ -222,7 +306,7 @@ class Builder:
     def _sizes(self, family: int) -> list[int]:
         """The counts with which a sequence is used."""
         parts = {part for body in self.book.bodies.values() for part in body.parts.tolist()}
-        parts |= {loop.part for loop in self.book.loops.values()}
+        parts |= set(self.book.repeated())
         own = {self.book.count[part] for part in parts if self.book.family.get(part) == family}
         return sorted(own)
 
@@ -294,7 +378,7 @@ class Builder:
         """`[+(360 / n * i) f(r) A]`."""
         count, turn = sizes[-1], loop.pattern.base[0]
         errors = self._errors(family, loop.part, 1.0)
-        arm = float(np.abs(loop.pattern.radii(np.arange(count))).max())
+        arm = float(np.abs(loop.pattern.radii(np.arange(count, dtype=np.float64))).max())
         arm = max(arm + self.reach.radius[loop.part], errors[0])
         error = min(1e-4, float(np.rad2deg(errors[0] / arm))) / count
         closed = len(sizes) == 1 and abs(abs(turn) * count - 360) <= error * count
@@ -342,46 +426,31 @@ class Builder:
             if len(counts) == 1 and counts[0] >= 4 and not self.book.loops[family].pattern.steps
         ]
         weight = {family: int(self._drawn(family)) * used[family] for family in plain}
-        for family in sorted(plain, key=lambda f: (-weight[f], f))[:LIFTED]:
-            loop, count = self.book.loops[family], sizes[family][0]
-            part = self.names[self.book.family.get(loop.part, loop.part)]
-            stem = _lowered(self.names[family])
-            self._counts[family] = self.given.give(f"{stem}_count")
-            doc = f"copies of {part} in {self.names[family]}"
-            self.attributes.append(
-                ast.Attr(
-                    self._counts[family],
-                    "int",
-                    ast.Number(float(count)),
-                    ast.Range(ast.Number(1.0), None),
-                    doc,
-                )
-            )
-            self._lift_step(family, loop, count, f"{stem}_step", part)
+        for family in sorted(plain, key=lambda f: (-weight[f], f)):
+            if len(self.attributes) < LIFTED:
+                said = worded(self.book, self.names, self._nested, family)
+                self._counts[family] = self.given.give(said.count)
+                least = ast.Range(ast.Number(1.0), None)
+                count = ast.Number(float(sizes[family][0]))
+                name = self._counts[family]
+                self.attributes.append(ast.Attr(name, "int", count, least, said.counted))
+            if len(self.attributes) < LIFTED:
+                self._lift_step(family, said)
 
-    def _lift_step(self, family: int, loop: Loop, count: int, wish: str, part: str) -> None:
-        x, y, angle, growth = loop.pattern.base
-        if loop.pattern.kind != "even" or not loop.pattern.constant:
-            return
-        if abs(angle) > SMALL or abs(growth) > SMALL:
+    def _lift_step(self, family: int, said: Wording) -> None:
+        loop, count = self.book.loops[family], self._sizes(family)[0]
+        x, y, _, _ = loop.pattern.base
+        if not plain_row(loop.pattern):
             return
         size = self._errors(family, loop.part, 1.0)[0] / count
         room = ROOM * size
         step = x if abs(y) <= room else y if abs(x) <= room else 0.0
         if abs(step) <= size:
             return
-        self._steps[family] = self.given.give(wish)
-        doc = f"from one {part} to the next"
-        self.attributes.append(
-            ast.Attr(self._steps[family], "float", number(step, size), None, doc)
-        )
+        name = self._steps[family] = self.given.give(said.step)
+        self.attributes.append(ast.Attr(name, "float", number(step, size), None, said.stepped))
 
     def _drawn(self, family: int) -> int:
         return sum(
             int(self.book.size[part]) for part, own in self.book.family.items() if own == family
         )
-
-
-def _lowered(name: str) -> str:
-    """`LeafRow` as `leaf_row`."""
-    return "".join(f"_{c.lower()}" if c.isupper() else c for c in name).strip("_")

@@ -44,7 +44,7 @@ def _only_in_axiom(book: Book) -> set[int]:
     """Symbols that the axiom alone names, or groups written out in it."""
     once = book.written_once()
     inner = {part for rule, body in book.bodies.items() if rule not in once for part in body.parts}
-    inner |= {loop.part for loop in book.loops.values()}
+    inner |= set(book.repeated())
     return {int(part) for rule in once for part in book.bodies[rule].parts} - inner
 
 

@@ -79,10 +79,13 @@ class _Pairs:
 class _Sides:
     """The two drawings with their curves, and which styles were found alike."""
 
-    def __init__(self, a: Drawing, b: Drawing) -> None:
+    def __init__(self, a: Drawing, b: Drawing, limit: float) -> None:
         self.a, self.b = a, b
         self.curves = _curves(a), _curves(b)
         self.unit = diagonal_of(a.box, self.curves[0])
+        self.near = max(STRAY, 2 * limit)
+        # What paint and effects may be off grows with what curves may.
+        self.room = self.unit * max(1.0, limit / LIMIT)
         self._alike: dict[tuple[int, int], bool] = {}
 
     def measure(self, left: Integers, right: Integers) -> _Pairs:
@@ -104,8 +107,8 @@ class _Sides:
         key = id(one.style), id(other.style)
         if key not in self._alike:
             effects = one.style.effects, other.style.effects
-            self._alike[key] = same_style(one.style, other.style, self.unit) and same_effects(
-                self.a, self.b, *effects, self.unit
+            self._alike[key] = same_style(one.style, other.style, self.room) and same_effects(
+                self.a, self.b, *effects, self.room
             )
         if not self._alike[key]:
             return False
@@ -117,13 +120,14 @@ class _Sides:
         return linear and same_fragment(one.fragment, other.fragment)
 
 
-def compare(a: Drawing, b: Drawing) -> Comparison:
-    """What separates b from a, both split into elements the same way.
+def compare(a: Drawing, b: Drawing, limit: float = LIMIT) -> Comparison:
+    """What separates b from a, both split into elements the same way. limit: share of the diagonal
+    by which matched elements may be apart, for drawings that are not meant to be equal.
 
     >>> compare(Drawing(()), Drawing(())).agrees()
     True
     """
-    sides = _Sides(a, b)
+    sides = _Sides(a, b, limit)
     pairs = _matched(sides)
     broken = _out_of_order(pairs.right)
     runs = _broken_runs(a, b, pairs) if not len(broken) else np.zeros(0, np.int64)
@@ -206,15 +210,15 @@ def _matched(sides: _Sides) -> _Pairs:
     if counts[0] != counts[1]:
         left, right = np.arange(counts[0]), np.arange(counts[1])
         found = sides.measure(*_neighbours(sides, left, right))
-        return _some(found, found.error <= STRAY * sides.unit)
+        return _some(found, found.error <= sides.near * sides.unit)
     everything = np.arange(counts[0])
     straight = sides.measure(everything, everything)
-    fits = (straight.error <= STRAY * sides.unit) & straight.painted
+    fits = (straight.error <= sides.near * sides.unit) & straight.painted
     if fits.all():
         return straight
     stray = np.flatnonzero(~fits)
     found = sides.measure(*_neighbours(sides, stray, stray))
-    found = _some(found, found.error <= STRAY * sides.unit)
+    found = _some(found, found.error <= sides.near * sides.unit)
     # What has no better partner keeps the one of its own number, as moved or repainted.
     alone = ~np.isin(everything, found.left) & ~np.isin(everything, found.right)
     alone &= ~fits & np.isfinite(straight.error)
@@ -245,7 +249,7 @@ def _neighbours(sides: _Sides, left: Integers, right: Integers) -> tuple[Integer
     if not len(left) or not len(right):
         return left[:0], right[:0]
     mine, yours = _boxes(sides.a, sides.curves[0])[left], _boxes(sides.b, sides.curves[1])[right]
-    reach = STRAY * sides.unit + 0.05 * np.abs(mine[:, 2:] - mine[:, :2]).max(axis=1)
+    reach = sides.near * sides.unit + 0.05 * np.abs(mine[:, 2:] - mine[:, :2]).max(axis=1)
     near = min(CANDIDATES, len(right))
     found, number = cKDTree(yours).query(mine, k=near, p=np.inf)
     distance = np.asarray(found).reshape(len(left), near)

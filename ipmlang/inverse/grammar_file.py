@@ -6,6 +6,7 @@ What the rules say is made in `build`. Nothing here searches or writes to disk.
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -13,6 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ipmlang.compiler import ast
+from ipmlang.compiler.format import format_grammar
+from ipmlang.compiler.tokens import count_text_tokens
 from ipmlang.formats.drawing import Effect
 from ipmlang.formats.svg import table_xml
 from ipmlang.formats.svg.parts import write_parts
@@ -30,21 +33,52 @@ from ipmlang.inverse.naming import (
 from ipmlang.inverse.numbers import number as literal
 from ipmlang.inverse.observation import Observation
 from ipmlang.inverse.reach import measure
-from ipmlang.inverse.score import SMALL
 from ipmlang.inverse.simplify import AXIOM, Book
 from ipmlang.inverse.terminals import Instanced, asset_element
+from ipmlang.inverse.wording import arrangement, plain_row
 
+_STRING = re.compile(r'"(?:[^"\\\n]|\\[^\n])*"|//[^\n]*')
+_NUMBER = re.compile(r"(?<![\w.])[0-9]+(?:\.[0-9]+)?")
 INLINE_ROWS = 24  # a longer table goes to the parts file
 SHARE = 1e-8  # of the diagonal: what one rounded number may move a point by
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Written:
-    """The tree, what prints the parts file, and how many cells that file's tables have."""
+    """The tree, what prints the parts file, how many cells that file's tables have, and what these
+    weigh, see `weight`.
+    """
 
     grammar: ast.Grammar
     parts: Callable[[], str]
     table_tokens: int
+    table_weight: float
+
+    @property
+    def tokens(self) -> int:
+        """Tokens of the text and cells of the stored tables."""
+        return count_text_tokens(self.text) + self.table_tokens
+
+    @property
+    def weight(self) -> float:
+        """Tokens, but a number weighs by its digits: what decides between ways to say the same."""
+        numbers = _NUMBER.findall(_STRING.sub("", self.text))
+        extra = sum(digits_weight(each) - 1 for each in numbers)
+        return count_text_tokens(self.text) + extra + self.table_weight
+
+    @property
+    def text(self) -> str:
+        """The grammar as it is written."""
+        return format_grammar(self.grammar)
+
+
+def digits_weight(number: str) -> float:
+    """What a number weighs beside a token of 1: a quarter of its digits, at least a half.
+
+    >>> digits_weight("3"), digits_weight("129.5705")
+    (0.5, 1.75)
+    """
+    return max(0.5, len(number.replace(".", "").lstrip("0")) / 4)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,7 +120,7 @@ def write_grammar(book: Book, subject: Subject) -> Written:
         shown = {named[k]: [asset_element(terminals[k], book.assets.get(k))] for k in assets}
         return write_parts(shown, effects=shown_effects, tables=stored)
 
-    return Written(ast.Grammar(tuple(items)), parts, cells)
+    return Written(ast.Grammar(tuple(items)), parts, *cells)
 
 
 def _started(rules: list[ast.Rule]) -> tuple[list[ast.Rule], tuple[ast.Element, ...]]:
@@ -133,11 +167,15 @@ def _effects(
     return references, shown
 
 
-def stored_tables(tables: Sequence[ast.Table], subject: Subject) -> tuple[list[ast.Item], list[str], int]:
-    """Short tables stand in the grammar, long ones in the parts file; the cells of the latter."""
+def stored_tables(
+    tables: Sequence[ast.Table], subject: Subject
+) -> tuple[list[ast.Item], list[str], tuple[int, float]]:
+    """Short tables stand in the grammar, long ones in the parts file: how many cells these have,
+    and what they weigh.
+    """
     items: list[ast.Item] = []
     stored: list[str] = []
-    cells = 0
+    cells, weight = 0, 0.0
     for table in tables:
         if len(table.rows) <= INLINE_ROWS:
             items.append(table)
@@ -146,7 +184,12 @@ def stored_tables(tables: Sequence[ast.Table], subject: Subject) -> tuple[list[a
         stored.append(table_xml(table.name, table.columns, rows))
         items.append(ast.Table(table.name, f"{parts_file(subject)}#{table.name}"))
         cells += sum(len(row) for row in rows)
-    return items, stored, cells
+        weight += sum(_cell_weight(cell) for row in rows for cell in row)
+    return items, stored, (cells, weight)
+
+
+def _cell_weight(cell: float | str) -> float:
+    return 1.0 if isinstance(cell, str) else digits_weight(f"{abs(cell):.15g}")
 
 
 def _value(cell: ast.Expr) -> float | str:
@@ -160,6 +203,16 @@ def _value(cell: ast.Expr) -> float | str:
 
 
 # ------------------------------------------------------------------------- names
+
+
+def symbol_names(book: Book, subject: Subject) -> dict[int, str]:
+    """What `write_grammar` calls each symbol, for whoever tells of them."""
+    names = Names()
+    names.give("Drawing")
+    painted = merged_styles(book, subject.instanced.terminals)
+    named = _names(book, subject, names, painted)
+    named |= {part: named[own] for part, own in book.family.items() if own in named}
+    return named | {part: named[each.base] for part, each in painted.items()}
 
 
 def _names(
@@ -182,9 +235,15 @@ def _names(
             hint[number] if hint[number] and often[hint[number]] == 1 else shape
         )
     written = book.inlined() | {AXIOM}
-    rules = [rule for rule in (*book.bodies, *book.loops) if rule not in written]
+    rules = [rule for rule in book.rules() if rule not in written]
     for rule in sorted(rules):
-        if rule in book.loops:
+        if rule in book.lattices:
+            lattice = book.lattices[rule]
+            wish = _short(named[book.family.get(lattice.part, lattice.part)], capital(lattice.kind))
+        elif rule in book.trees:
+            part = book.trees[rule].part
+            wish = _short(named[book.family.get(part, part)], "Tree")
+        elif rule in book.loops:
             loop = book.loops[rule]
             inner = book.family.get(loop.part, loop.part)
             nested = inner in book.loops and book.loops[inner].pattern.kind == "even"
@@ -218,19 +277,9 @@ def _first_rows(instanced: Instanced) -> dict[int, int]:
 
 def _loop_word(part: str, pattern: Pattern, nested: bool) -> str:
     """`LeafRow`, `StarRing`, or `Grid` for a row of rows."""
-    x, y, angle, growth = pattern.base
-    if pattern.kind == "listed":
-        return _short(part, "Row")
-    if pattern.kind == "polar":
-        return _short(part, "Ring" if abs(pattern.base[2]) <= SMALL else "Spiral")
-    if pattern.kind == "even":
-        upright = abs(angle) <= SMALL and abs(growth) <= SMALL
-        if nested and upright:
-            return _short(part.removesuffix("Row").removesuffix("Column"), "Grid")
-        if abs(x) <= SMALL and abs(y) <= SMALL:
-            return _short(part, "Stack")
-        return _short(part, "Column" if abs(x) < abs(y) else "Row")
-    return _short(part, "Zigzag" if pattern.mirrored else "Spiral")
+    if nested and plain_row(pattern):
+        return _short(part.removesuffix("Row").removesuffix("Column"), "Grid")
+    return _short(part, capital(arrangement(pattern)))
 
 
 def _short(part: str, kind: str) -> str:
@@ -250,6 +299,12 @@ def occurrences(book: Book) -> dict[int, int]:
 
 
 def _named_by(book: Book, rule: int) -> list[tuple[int, int]]:
+    if rule in book.lattices:
+        lattice = book.lattices[rule]
+        return [(lattice.part, len(lattice.rows))]
+    if rule in book.trees:
+        tree = book.trees[rule]
+        return [(tree.part, len(tree.branching.order))]
     if rule in book.loops:
         counts = [book.count[part] for part, own in book.family.items() if own == rule]
         return [(book.loops[rule].part, max(counts))]
@@ -259,5 +314,5 @@ def _named_by(book: Book, rule: int) -> list[tuple[int, int]]:
 
 def _topological(book: Book) -> list[int]:
     """Rules before the rules that they name: symbols are numbered from the parts up."""
-    rules = [rule for rule in (*book.bodies, *book.loops) if rule != AXIOM]
+    rules = book.rules()
     return [AXIOM, *sorted(rules, reverse=True)]

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from ipmlang.compiler import compile_file
 from ipmlang.formats.drawing import Drawing
-from ipmlang.inverse.compare import Comparison, compare
+from ipmlang.inverse.compare import LIMIT, Comparison, compare
 from ipmlang.runtime import derive
 from ipmlang.runtime.export.sheet import drawing_of
 
@@ -26,6 +26,6 @@ def derived(text: str, parts: str, stem: str) -> Drawing:
         return drawing_of(derive(program))
 
 
-def prove(drawing: Drawing, text: str, parts: str, stem: str) -> Comparison:
-    """How what is derived differs from the drawing that was read."""
-    return compare(drawing, derived(text, parts, stem))
+def prove(drawing: Drawing, text: str, parts: str, stem: str, limit: float = LIMIT) -> Comparison:
+    """How what is derived differs from the drawing that was read; limit: see `compare`."""
+    return compare(drawing, derived(text, parts, stem), limit)

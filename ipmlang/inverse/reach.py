@@ -10,6 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ipmlang.inverse.lsystem.frames import identity
+from ipmlang.inverse.recursion.branching import Branching
+from ipmlang.inverse.recursion.twigs import grow
 from ipmlang.inverse.simplify import AXIOM, Book
 
 
@@ -51,7 +54,7 @@ def measure(book: Book, radius: dict[int, float], error: float) -> Reach:
         extent[symbol] = value
         return value
 
-    gain = {AXIOM: 1.0}
+    gain, structures = {AXIOM: 1.0}, set(book.rules())
     waiting = [AXIOM]
     while waiting:
         rule = waiting.pop(0)
@@ -60,13 +63,19 @@ def measure(book: Book, radius: dict[int, float], error: float) -> Reach:
             key = book.family.get(part, part)
             if scale * gain[rule] > gain.get(key, 0.0) * (1 + 1e-9):
                 gain[key] = scale * gain[rule]
-                if key in book.bodies or key in book.loops:
+                if key in structures:
                     waiting.append(key)
     return Reach(error, gain, extent)
 
 
 def _inside(book: Book, rule: int) -> list[tuple[int, float]]:
     """Symbols named by a rule, with the largest scale each stands under."""
+    if rule in book.lattices:
+        lattice = book.lattices[rule]
+        return [(lattice.part, float(lattice.formula.frames().scale.max()))]
+    if rule in book.trees:
+        tree = book.trees[rule]
+        return [(tree.part, _largest(tree.branching))]
     if rule in book.loops:
         loop = book.loops[rule]
         counts = [book.count[part] for part, own in book.family.items() if own == rule]
@@ -77,3 +86,9 @@ def _inside(book: Book, rule: int) -> list[tuple[int, float]]:
     for part, scale in zip(body.parts.tolist(), body.places.scale.tolist(), strict=True):
         largest[part] = max(scale, largest.get(part, 0.0))
     return list(largest.items())
+
+
+def _largest(branching: Branching) -> float:
+    """The largest scale of a node in the frame of the root."""
+    grown = grow(identity(1), list(branching.twigs), branching.depth, len(branching.order))
+    return 1.0 if grown is None else float(grown.frames.scale.max())

@@ -8,7 +8,7 @@ follow no rule stand in a residual table. Nothing here proves or writes to disk.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ipmlang.compiler import ast
 from ipmlang.formats.drawing import Outline, Style
 from ipmlang.formats.svg.parts import write_parts
-from ipmlang.inverse.build import AXIOM, Builder
+from ipmlang.inverse.build import Builder
 from ipmlang.inverse.coats import declarations
 from ipmlang.inverse.grammar_file import (
     Subject,
@@ -33,7 +33,7 @@ from ipmlang.inverse.naming import Names, own_hint, shape_word
 from ipmlang.inverse.observation import Observation
 from ipmlang.inverse.reach import measure
 from ipmlang.inverse.recursion import Recursion, as_grammar, fold
-from ipmlang.inverse.simplify import make_book
+from ipmlang.inverse.simplify import AXIOM, make_book
 from ipmlang.inverse.terminals import asset_element
 
 TOLERANCE = 4e-7  # of the diagonal: what the ends of segments may be off
@@ -104,14 +104,15 @@ def _written(subject: Subject, found: Recursion, rows: Integers) -> Written:
     given = _Others(subject, names)
     taken = frozenset(given.named.values())
     items = list(as_grammar(found, taken, _pens(observed, found)))
-    settings, *rules, start = items
+    start = items[-1]
     assert isinstance(start, ast.Start)
     first, last = int(rows[0]), int(rows[-1])
     residual = _residual(observed, found, rows, names)
     style = observed.styles[int(observed.style[first])]
     if residual and residual[0].columns == ("stroke",):
         style = replace(style, stroke=NO_STYLE.stroke)
-    pen = () if found.styles else (_pen(style),)
+    alone = observed.box is not None and len(rows) == len(observed)
+    width, pen = (1.0, ()) if found.styles else _pen(style, alone)
     axiom = (
         *given.placed(range(first)),
         ast.Bracket((*pen, *start.axiom)),
@@ -121,27 +122,47 @@ def _written(subject: Subject, found: Recursion, rows: Integers) -> Written:
     made: list[ast.Item] = [ast.Version(1), *canvas(observed)]
     if given.named:
         made.append(ast.Asset(tuple(given.named.values()), parts_file(subject), True))
-    made += [*tables, settings, *(ast.Residual(each.name) for each in tables)]
+    made += [*tables, *_turtle(items, width), *(ast.Residual(each.name) for each in residual)]
+    rules = [each for each in items if isinstance(each, ast.Rule)]
     made += [spaced(rule, first=k == 0) for k, rule in enumerate(rules)]
-    begin = start.axiom if len(axiom) == 1 and not pen else axiom
-    if len(axiom) == 1 and pen:
-        begin = (*pen, *start.axiom)
-    made.append(replace(start, axiom=begin))
+    made.append(replace(start, axiom=(*pen, *start.axiom) if len(axiom) == 1 else axiom))
 
     def parts() -> str:
         terminals = subject.instanced.terminals
         shown = {name: [asset_element(terminals[k], None)] for k, name in given.named.items()}
         return write_parts(shown, effects={}, tables=stored)
 
-    return Written(ast.Grammar(tuple(made)), parts, cells)
+    return Written(ast.Grammar(tuple(made)), parts, *cells)
 
 
-def _pen(style: Style) -> ast.Module:
+def _turtle(items: Sequence[ast.Item], width: float) -> list[ast.Turtle]:
+    """The turtle's settings, and the width of its pen where that is not 1."""
+    told = [each for item in items if isinstance(item, ast.Turtle) for each in item.settings]
+    if width != 1:
+        told.append(ast.Setting("width", ast.Number(width)))
+    return [ast.Turtle(tuple(told))] if told else []
+
+
+def _pen(style: Style, alone: bool) -> tuple[float, tuple[ast.Element, ...]]:
+    """The turtle's width and what else sets the pen; alone: whether there is nothing but segments,
+    which are 1 wide by themselves, so that a width of the turtle is theirs only.
+
+    A segment has a colour and a width, and no fill; what declares more says all of it at once.
+    """
+    told = replace(NO_STYLE, stroke=style.stroke, stroke_width=style.stroke_width)
+    single = float(str(np.float32(style.stroke_width)))
+    if style != told or not alone or single != style.stroke_width:
+        return 1.0, (_declared(style),)
+    colored = style.stroke != NO_STYLE.stroke
+    return single, (call("color", ast.Text(str(style.stroke))),) if colored else ()
+
+
+def _declared(style: Style) -> ast.Module:
     return call("css", ast.Text(declarations(NO_STYLE, style)))
 
 
 def _pens(observed: Observation, found: Recursion) -> dict[int, tuple[ast.Element, ...]]:
-    return {number: (_pen(observed.styles[number]),) for number in set(found.styles.values())}
+    return {number: (_declared(observed.styles[number]),) for number in set(found.styles.values())}
 
 
 def _residual(

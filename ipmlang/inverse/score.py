@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ipmlang.inverse.lsystem.frames import Frames
 from ipmlang.inverse.lsystem.patterns import Pattern
+from ipmlang.inverse.recursion.branching import Branching
 
 Integers = NDArray[np.int64]
 
@@ -64,3 +65,13 @@ def sequence_tokens(pattern: Pattern) -> int:
         for t0, t1, rest in zip(base, delta, neutral, strict=True)
     )
     return LOOP + 3 + 4 * used + more + pattern.mirrored
+
+
+def tree_tokens(branching: Branching) -> int:
+    """Tokens of both rules of a branching structure, heads included."""
+    total = 2 * (HEAD + COUNTED + 4) + 2
+    for twig in branching.twigs:
+        total += 8 + (twig.hand < 0)
+        for first, slope, rest in zip(twig.first, twig.slope, (0.0, 0.0, 1.0, 0.0), strict=True):
+            total += 4 * bool(abs(first - rest) > SMALL or slope) + 4 * bool(slope)
+    return total

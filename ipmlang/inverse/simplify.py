@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ipmlang.inverse.lattice_rule import LatticeRule
 from ipmlang.inverse.lsystem.frames import (
     Frames,
     compose,
@@ -25,6 +26,7 @@ from ipmlang.inverse.lsystem.frames import (
 )
 from ipmlang.inverse.lsystem.patterns import Pattern
 from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers
+from ipmlang.inverse.recursion.branching import Branching
 from ipmlang.inverse.score import COUNTED, HEAD, placement_tokens
 
 AXIOM = -1
@@ -47,10 +49,19 @@ class Loop:
     pattern: Pattern
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Branches:
+    """A branching structure's rules: copies of `part` at its nodes."""
+
+    part: int
+    branching: Branching
+
+
 @dataclass(slots=True, eq=False)
 class Book:
     """All rules that are left. bodies: by group symbol, AXIOM for the axiom; loops: by family;
-    family, count: of every symbol that is a sequence; size: of every symbol, in elements; small:
+    trees, lattices: by symbol;
+    extent: rows of every symbol in what was seen; ranks: of the axiom's rows in paint order; family, count: of every symbol that is a sequence; size: of every symbol, in elements; small:
     units, what is printed as 0; assets: where a terminal's representative lies in its asset, the
     identity where none is given; effects: the class of the effect that wraps a group's body;
     anchored: groups whose effect lies somewhere, at their own frame.
@@ -63,6 +74,10 @@ class Book:
     size: Integers
     small: float
     assets: dict[int, Frames] = field(default_factory=dict)
+    trees: dict[int, Branches] = field(default_factory=dict)
+    lattices: dict[int, LatticeRule] = field(default_factory=dict)
+    extent: Integers = field(default_factory=lambda: np.zeros(0, np.int64))
+    ranks: Integers = field(default_factory=lambda: np.zeros(0, np.int64))
     effects: dict[int, int] = field(default_factory=dict)
     anchored: set[int] = field(default_factory=set)
 
@@ -71,7 +86,7 @@ class Book:
         found: Counter[int] = Counter()
         for body in self.bodies.values():
             found.update(self.family.get(part, part) for part in body.parts.tolist())
-        found.update(self.family.get(loop.part, loop.part) for loop in self.loops.values())
+        found.update(self.family.get(part, part) for part in self.repeated())
         return found
 
     def inlined(self) -> set[int]:
@@ -102,12 +117,37 @@ class Book:
                 self.effects.pop(rule, None)
             for rule in idle:
                 del self.loops[rule]
-            if not dead and not idle:
+            bare = [rule for rule in (*self.trees, *self.lattices) if not used[rule]]
+            for rule in bare:
+                self.trees.pop(rule, None)
+                self.lattices.pop(rule, None)
+            if not dead and not idle and not bare:
                 return
+
+    def repeated(self) -> list[int]:
+        """What sequences and structures repeat; their patterns bind its frame."""
+        structures = (*self.trees.values(), *self.lattices.values())
+        loops = [each.part for each in self.loops.values()]
+        return loops + [each.part for each in structures]
+
+    def rules(self) -> list[int]:
+        """All rules but the axiom: groups, sequences, branching structures, lattices."""
+        every = (*self.bodies, *self.loops, *self.trees, *self.lattices)
+        return [rule for rule in every if rule != AXIOM]
+
+    def scattered(self) -> list[int]:
+        """Lattices whose members are not painted one after the other, in the order of nodes."""
+        found = []
+        for symbol, rule in self.lattices.items():
+            steps = np.diff(rule.drawn)
+            if (steps != self.extent[rule.part]).any():
+                found.append(symbol)
+        return found
 
 
 def make_book(alphabet: Alphabet, string: Arrangement) -> Book:
     """The rules that the string needs, as they were found."""
+    sizes = np.array([each.size for each in alphabet.definitions], np.int64)
     book = Book(
         {AXIOM: Body(string.symbol.copy(), string.placed)},
         {},
@@ -116,11 +156,26 @@ def make_book(alphabet: Alphabet, string: Arrangement) -> Book:
         np.array([each.drawn for each in alphabet.definitions], np.int64),
         alphabet.tolerance / 30,
     )
+    book.extent, book.ranks = sizes, string.start.copy()
     waiting = np.unique(string.symbol).tolist()
     while waiting:
         symbol = waiting.pop()
         definition = alphabet[symbol]
-        if definition.terminal or symbol in book.bodies or symbol in book.family:
+        known = symbol in book.bodies or symbol in book.family or symbol in book.trees
+        known |= symbol in book.lattices
+        if definition.terminal or known:
+            continue
+        if definition.lattice is not None:
+            part = int(definition.parts[0])
+            book.lattices[symbol] = replace(definition.lattice, part=part)
+            book.anchored.add(symbol)
+            waiting.append(part)
+            continue
+        if definition.branching is not None:
+            part = int(definition.parts[0])
+            book.trees[symbol] = Branches(part, definition.branching)
+            book.anchored.add(symbol)
+            waiting.append(part)
             continue
         if definition.pattern is not None:
             book.family[symbol] = definition.family
@@ -178,7 +233,7 @@ def _inline(book: Book, rule: int) -> None:
     for name, body in book.bodies.items():
         if name != rule and (body.parts == rule).any():
             _spread(book, name, lambda part: inner if part == rule else None)
-    if not any(loop.part == rule for loop in book.loops.values()):
+    if rule not in book.repeated():
         del book.bodies[rule]
 
 
@@ -194,7 +249,18 @@ def _spread(book: Book, name: int, inner: Callable[[int], Body | None]) -> None:
             group = Body(np.array([part], np.int64), identity(1))
         parts.append(group.parts)
         places.append(compose(outer, group.places))
+    if name == AXIOM:
+        book.ranks = _spread_ranks(book, parts)
     book.bodies[name] = Body(np.concatenate(parts), join(places))
+
+
+def _spread_ranks(book: Book, parts: list[Integers]) -> Integers:
+    """Ranks of the axiom's rows, each of which has become several."""
+    made = []
+    for rank, inner in zip(book.ranks.tolist(), parts, strict=True):
+        before = np.cumsum(book.extent[inner]) - book.extent[inner]
+        made.append(rank + before)
+    return np.concatenate(made)
 
 
 def _drop_poor(book: Book) -> bool:
@@ -222,7 +288,7 @@ def _drop_poor(book: Book) -> bool:
 
 def _excess(book: Book, rule: int, used: Counter[int]) -> int | None:
     """Tokens that a group's rule adds (negative: saves); None where a loop needs it."""
-    if any(loop.part == rule for loop in book.loops.values()):
+    if rule in book.repeated():
         return None
     inner = book.bodies[rule]
     with_rule = HEAD + int(placement_tokens(inner.places, book.small).sum())
@@ -249,6 +315,8 @@ def regauge(book: Book, rule: int, change: Frames) -> None:
     if rule in book.bodies:
         body = book.bodies[rule]
         book.bodies[rule] = Body(body.parts, compose(back, body.places))
+    elif rule in book.trees or rule in book.lattices:
+        raise ValueError("the frame of a structure is bound to its rule")
     elif rule not in book.loops:
         book.assets[rule] = compose(back, book.assets.get(rule, identity(1)))
     for loop in book.loops.values():
@@ -269,7 +337,7 @@ def naming(book: Book, body: Body, rule: int) -> NDArray[np.bool_]:
 
 def in_loop(book: Book, rule: int) -> bool:
     """Whether a loop repeats the symbol, so that its frame is bound to the loop's pattern."""
-    return any(book.family.get(loop.part, loop.part) == rule for loop in book.loops.values())
+    return any(book.family.get(part, part) == rule for part in book.repeated())
 
 
 def _recentre_groups(book: Book) -> None:

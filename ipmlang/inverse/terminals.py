@@ -34,6 +34,8 @@ from ipmlang.runtime.export.drawn_assets import depends_on_frame, moved_style
 
 LEAST = 12  # so many lengths of lines, each of fewer than
 OFTEN = 3  # lines, share one asset
+FEW_LENGTHS = 40  # lengths of lines that are also tried as one line, stretched, in a drawing of at
+MOST_STRETCHED = 3000  # most so many elements
 SHARE = 3e-7  # of the diagonal: how far an expansion may be from what was observed
 
 
@@ -69,24 +71,34 @@ class Instanced:
 
 
 def instances(observed: Observation) -> list[Instanced]:
-    """Every way to see the drawing as terminals: with what has a space of its own only moved, and,
-    where some of that has a twin that stands otherwise, turned with its space.
+    """Every way to see the drawing as terminals: with what has a space of its own only moved; where
+    some of that has a twin that stands otherwise, turned with its space; where lines have a few
+    lengths, as one line stretched, for a thing with lines may stand there smaller.
     """
     plain = [replace(style, effects=()) for style in observed.styles]
     upright = _upright(observed)
     turned, twins = turned_with_space(observed, plain, upright)
-    ways = [_instance(observed, plain, upright, {})]
-    return [*ways, _instance(observed, plain, turned, twins)] if twins else ways
+    ways = [_instance(observed, plain, upright, {}, _rare_lines(observed))]
+    if twins:
+        ways.append(_instance(observed, plain, turned, twins, _rare_lines(observed)))
+    if few := _few_lengths(observed):
+        ways.append(_instance(observed, plain, upright, {}, few))
+    return ways
 
 
 def _instance(
-    observed: Observation, plain: Sequence[Style], given: Frames, twins: Mapping[int, Hashable]
+    observed: Observation,
+    plain: Sequence[Style],
+    given: Frames,
+    twins: Mapping[int, Hashable],
+    stretched: Sequence[Sequence[int]],
 ) -> Instanced:
     """The alphabet of terminals and the string of all elements in paint order; plain: the styles
-    without effects; twins: by row, what makes terminals equal that are turned.
+    without effects; twins: by row, what makes terminals equal that are turned; stretched: classes
+    of lines that are the first of them, stretched to measure.
     """
     alphabet = Alphabet(SHARE * observed.diagonal)
-    shapes, placed = _scaled_lines(observed, given)
+    shapes, placed = _scaled_lines(observed, given, stretched)
     known: dict[Hashable, int] = {}
     terminals: list[Terminal] = []
     numbers = np.empty(len(observed), np.int64)
@@ -159,23 +171,50 @@ def _upright(observed: Observation) -> Frames:
     )
 
 
-def _scaled_lines(observed: Observation, placed: Frames) -> tuple[NDArray[np.int32], Frames]:
-    """Lines of a length that hardly another one has are one shape, stretched to measure, so that a
+def _rare_lines(observed: Observation) -> list[list[int]]:
+    """Classes of lines of a length that hardly another one has, where there are many, so that a
     thousand lengths need one asset.
     """
-    shapes, scale = observed.shape.copy(), placed.scale.copy()
-    for directed in (False, True):
-        rare = [
+    rare = [
+        [number for number in numbers if len(observed.classes[number].members) < OFTEN]
+        for numbers in _line_classes(observed)
+    ]
+    return [numbers for numbers in rare if len(numbers) >= LEAST]
+
+
+def _few_lengths(observed: Observation) -> list[list[int]]:
+    """Classes of lines where there are a few lengths, the most frequent one first."""
+    if len(observed) > MOST_STRETCHED:
+        return []
+    several = [numbers for numbers in _line_classes(observed) if 2 <= len(numbers) <= FEW_LENGTHS]
+    return [
+        sorted(numbers, key=lambda each: (-len(observed.classes[each].members), each))
+        for numbers in several
+    ]
+
+
+def _line_classes(observed: Observation) -> list[list[int]]:
+    """The classes of lines without and with a direction."""
+    return [
+        [
             number
             for number, shape in enumerate(observed.classes)
-            if shape.kind == "line" and shape.directed == directed and len(shape.members) < OFTEN
+            if shape.kind == "line" and shape.directed == directed
         ]
-        if len(rare) < LEAST:
-            continue
-        unit = observed.classes[rare[0]].radius
-        for number in rare:
+        for directed in (False, True)
+    ]
+
+
+def _scaled_lines(
+    observed: Observation, placed: Frames, stretched: Sequence[Sequence[int]]
+) -> tuple[NDArray[np.int32], Frames]:
+    """Shapes and frames where all lines of some classes are of the first one, stretched."""
+    shapes, scale = observed.shape.copy(), placed.scale.copy()
+    for numbers in stretched:
+        unit = observed.classes[numbers[0]].radius
+        for number in numbers:
             rows = observed.classes[number].members
-            shapes[rows] = rare[0]
+            shapes[rows] = numbers[0]
             scale[rows] *= observed.classes[number].radius / unit
     return shapes, Frames(placed.x, placed.y, placed.angle, scale, placed.handedness)
 
@@ -185,6 +224,8 @@ def _terminal(
 ) -> tuple[Hashable, Terminal]:
     """The terminal that draws an element, and what makes it equal to others."""
     known = observed.classes[shape]
+    if known.fragment is None and not depends_on_frame(style):
+        return (shape, style), Terminal(row, known, style, None, identity(1))
     place = placed[row : row + 1]
     if known.fragment is not None:
         linear = multiply(inverse(drawn_matrix(_about_zero(place), 0.0)), known.fragment.matrix)[:4]
@@ -192,8 +233,6 @@ def _terminal(
         return (fragment.kind, fragment.xml, linear), Terminal(
             row, known, style, fragment, identity(1)
         )
-    if not depends_on_frame(style):
-        return (shape, style), Terminal(row, known, style, None, identity(1))
     back = inverse(drawn_matrix(place, observed.flip))
     local = _rounded(moved_style(style, back))
     base = _about_zero(compose(undo(place), observed.frames[row : row + 1]))

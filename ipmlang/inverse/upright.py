@@ -41,7 +41,7 @@ def make_upright(book: Book, alphabet: Alphabet) -> None:
 
 def _downwards(book: Book) -> list[int]:
     """Rules before those that they name: later symbols are made of earlier ones."""
-    return [AXIOM, *sorted((r for r in (*book.bodies, *book.loops) if r != AXIOM), reverse=True)]
+    return [AXIOM, *sorted(book.rules(), reverse=True)]
 
 
 # ------------------------------------------------------------------------ placements
@@ -86,7 +86,7 @@ def _absorb_insides(book: Book) -> None:
         part = book.family.get(loop.part, loop.part)
         if not (loop.pattern.rest or loop.pattern.inner) or part in book.loops:
             continue
-        if part in book.anchored:
+        if part in book.anchored or part in {each.part for each in book.trees.values()}:
             continue
         change = inverse(inside)
         before, after = _uses(book, part, identity(1)), _uses(book, part, change)
@@ -142,6 +142,19 @@ def _turn_terminals(book: Book, alphabet: Alphabet) -> None:
         best = int(np.argmin(costs))
         if costs[best] < int(placement_tokens(uses, book.small).sum()):
             regauge(book, part, options[best : best + 1])
+
+
+def settle_terminals(book: Book, alphabet: Alphabet) -> None:
+    """What one rule alone names, and once, takes its place there into its asset: the parts of a
+    thing lie in their file as they lie in the thing. What is named outside of rules stays.
+    """
+    used = book.uses()
+    for rule in sorted(book.bodies.keys() - book.written_once()):
+        body = book.bodies[rule]
+        for row, part in enumerate(body.parts.tolist()):
+            once = used[part] == 1 and alphabet[part].terminal
+            if once and placement_tokens(book.bodies[rule].places[row : row + 1], 0.0)[0] > 1:
+                regauge(book, part, inverse(book.bodies[rule].places[row : row + 1]))
 
 
 def _cost(book: Book, alphabet: Alphabet, rule: int, uses: Frames, change: Frames) -> int:

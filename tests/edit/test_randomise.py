@@ -77,9 +77,13 @@ def test_anew_is_not_twice_and_nothing_takes_it_back(house: Path) -> None:
 
 def test_steps_stay_known_and_get_loose(tmp_path: Path) -> None:
     text = "ipm 1\nRow --> repeat(i < 4) steps (10, 20, 10) { [F(1)] }\nstart Row"
-    draft = edit.randomise(edit.read_text(text), Selection("Row"), amount("30%"))
+    chosen = Selection("Row", "repeat", "steps")
+    draft = edit.randomise(edit.read_text(text), chosen, amount("30%"))
     assert "steps (10, 20, 10) { [F(1)] f(rand(-4, 4)) }" in draft.text
-    again = edit.randomise(draft, Selection("Row", "repeat", "steps"), amount("3"))
+    every = edit.randomise(draft, Selection(), amount("30%"))
+    assert "{ [F(1 + rand(-0.3, 0.3))] f(rand(-4, 4)) }" in every.text
+    assert edit.randomise(every, Selection(), amount("30%")).text == every.text
+    again = edit.randomise(draft, chosen, amount("3"))
     assert "steps (10, 20, 10) { [F(1)] f(rand(-3, 3)) }" in again.text
     edit.save(again, tmp_path / "out.ipm")
     rows = [drawn_at(tmp_path / "out.ipm", "F", seed)[:, 0] for seed in range(5)]

@@ -39,6 +39,13 @@ def test_equal_within_the_tolerance_and_no_further(tmp_path: Path) -> None:
     assert "A --> f(13) F(13) +(45) f(14) -(45) *(1) F(-13) +(17.14)" in draft.text
 
 
+def test_only_what_can_be_compared_becomes_equal() -> None:
+    text = "ipm 1\nA --> f(30.1) [at(30.2, 9) F(29.9)] B\nB --> [at(30.4, 8) F(1)]\nstart A"
+    found = edit.symmetrise(edit.read_text(text), Tolerances(length=1)).text
+    assert "A --> f(30) [at(30.2, 9) F(30)] B" in found
+    assert "at(30.4, 8)" in found
+
+
 def test_what_is_nearly_nothing_is_nothing() -> None:
     draft = edit.read_text("ipm 1\nA --> [at(0.0004, 40) F(20)] [at(-39.9997, 0) F(20)]\nstart A")
     assert "A --> [at(0, 40) F(20)] [at(-40, 0) F(20)]" in edit.symmetrise(draft).text
@@ -51,7 +58,7 @@ table Places(x, y) =
     (10.01, 5)
     (9.99, 5)
 attr step : float = 10.02 in 1..
-A --> repeat(r in Places) { [at(r.x, r.y) F(3)] f(step) }
+A --> repeat(r in Places) { [at(r.x, r.y) F(9.98)] f(step) }
 start A
 """
     found = edit.symmetrise(edit.read_text(text), Tolerances(length=0.1)).text

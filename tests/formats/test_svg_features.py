@@ -138,6 +138,14 @@ def test_nested_viewport_clips_only_what_sticks_out() -> None:
     assert len(read(inner.format('50" stroke="red')).effects) == 1
 
 
+def test_a_viewport_clips_all_that_it_holds_or_nothing() -> None:
+    """Copies of one symbol stay alike: what fits is not taken out of a clip that others need."""
+    both = '<svg width="50" height="50"><rect width="9" height="9"/><rect width="{}" height="9"/>'
+    for width, clipped in ((50, 0), (51, 1)):
+        found = read(both.format(width) + "</svg>")
+        assert [len(each.style.effects) for each in found.elements] == [clipped] * 2
+
+
 @pytest.mark.parametrize(
     ("width", "expected"),
     [("1in", 96), ("2.54cm", 96), ("25.4mm", 96), ("72pt", 96), ("6pc", 96), ("3px", 3),

@@ -49,13 +49,13 @@ COLORS = ("#2a6f4e", "#c8506a", "#2a6f97", "#d98e2b")
 
 
 Case = tuple[Kind, float, Order, float]  # kind, jitter, paint order, holes
-# What the tests measure: every kind in every order while it is regular or nearly so, and the rest.
+# What the tests measure: every kind in every order while it is regular, less of it with jitter.
 CASES: tuple[Case, ...] = tuple(
     (kind, jitter, order, holes)
     for kind in KINDS
     for jitter, orders, holes in (
         (0.0, ORDERS, 0.0),
-        (0.001, ORDERS, 0.0),
+        (0.001, ("contiguous", "shuffled"), 0.0),
         (0.01, ORDERS[:1], 0.0),
         (0.001, ORDERS[:1], 0.2),
     )

@@ -75,4 +75,4 @@ def test_they_are_given_back_as_one_rule(tmp_path: Path) -> None:
     )
     assert comparison.agrees(1e-6), comparison
     assert found.report.rules == 1
-    assert found.report.tokens < found.report.tokens_flat / 3
+    assert found.report.tokens < found.report.tokens_flat / 2

@@ -88,3 +88,17 @@ start P(5) [at(0, 50) Pair] [at(9, 60) mirror Pair] [at(80, 80) dot]
     assert len(found["P"].boxes) == 6
     assert len(found["Pair"].boxes) == 4
     assert ruled_share(grammar, tmp_path) == 10 / 11
+
+
+def test_a_residual_moves_what_is_traced(tmp_path: Path) -> None:
+    (tmp_path / "x.parts.svg").write_text(DOT)
+    text = """ipm 1
+asset dot in "x.parts.svg"
+table T(x, layer) = (0, 2), (0.5, 1), (0, 0)
+residual T
+A --> repeat(i < 3) { [dot] f(9) }
+start A
+"""
+    repeat = sites(parse(Source("x.ipm", text))[0], tmp_path)[0]
+    assert repeat.repeats
+    assert sorted(repeat.boxes[:, 0].tolist()) == [0, 9.5, 18]

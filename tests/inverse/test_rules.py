@@ -4,7 +4,7 @@ what has no structure must come out without any.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import pytest
@@ -37,12 +37,17 @@ def made_of(elements: Sequence[DrawnElement], flat: bool = False) -> Made:
 
 
 def repeats(made: Made) -> list[ast.Repeat]:
-    """All repeats of all rules."""
-    found = []
-    for item in made.grammar.items:
-        if isinstance(item, ast.Rule):
-            found += [each for each in item.body if isinstance(each, ast.Repeat)]
-    return found
+    """All repeats of all rules, also those in one another."""
+    rules = [item for item in made.grammar.items if isinstance(item, ast.Rule)]
+    return [each for rule in rules for each in _repeats_in(rule.body)]
+
+
+def _repeats_in(body: Sequence[ast.Element]) -> Iterator[ast.Repeat]:
+    for element in body:
+        if isinstance(element, ast.Repeat):
+            yield element
+        if isinstance(element, ast.Repeat | ast.Bracket):
+            yield from _repeats_in(element.body)
 
 
 def text(made: Made) -> str:

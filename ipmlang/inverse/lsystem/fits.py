@@ -67,6 +67,8 @@ def fit_even(given: Sequence, degree: int) -> Fitted | None:
     x, y, angle, scale = solved[0].tolist()
     if scale <= 0:
         return None
+    if given.free and degree == 1:
+        angle, solved[1:, 2] = _heading(complex(*solved[1, :2]), given), 0.0
     start = frames(np.array([complex(x, y)]), angle, scale, given.hand)
     hand, factor = given.hand, complex(start.factor[0])
 
@@ -75,6 +77,14 @@ def fit_even(given: Sequence, degree: int) -> Fitted | None:
         return (step.real * hand, step.imag, float(row[2]) * hand, float(row[3]) / scale)
 
     return plain_numbers(given, (Pattern("even", local(solved[1]), local(solved[2])), start))
+
+
+def _heading(step: complex, given: Sequence) -> float:
+    """The angle of a row of what has no heading: along the row, so that turned rows are alike."""
+    if abs(step) <= given.slack:
+        return 0.0
+    # In a mirrored frame x points the other way.
+    return float(np.angle(step if given.hand > 0 else -step, deg=True))
 
 
 def fit_turtle(given: Sequence) -> Fitted | None:
@@ -136,7 +146,8 @@ def plain_numbers(given: Sequence, fitted: Fitted) -> Fitted:
     more = (0, 0, 0, 0) if pattern.kind == "polar" else (2, 2, 2, 2)
     for digits in range(8):
         base = [round(value, digits) + 0.0 for value in pattern.base]
-        delta = [round(value, digits + k) + 0.0 for value, k in zip(pattern.delta, more, strict=True)]
+        further = zip(pattern.delta, more, strict=True)
+        delta = [round(value, digits + k) + 0.0 for value, k in further]
         plain = replace(pattern, base=_four(np.array(base)), delta=_four(np.array(delta)))
         plain = replace(plain, rest=round(pattern.rest, digits) + 0.0)
         if worst(given, (plain, lead)) <= room:

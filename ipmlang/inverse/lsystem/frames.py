@@ -43,6 +43,13 @@ class Frames:
             np.asarray(self.handedness[rows]),
         )
 
+    def flat(self) -> Frames:
+        """The same as one row of columns."""
+        return Frames(
+            self.x.ravel(), self.y.ravel(), self.angle.ravel(), self.scale.ravel(),
+            self.handedness.ravel(),
+        )  # fmt: skip
+
     @property
     def position(self) -> Complexes:
         """x + iy."""

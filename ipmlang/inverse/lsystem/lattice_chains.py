@@ -21,13 +21,13 @@ GAP = 3  # holes in a row that growing steps over
 HOLES = 0.34  # share of the nodes of a chain
 WHOLE = 6  # members below which a chain has no holes
 GROWTHS = 40
-USUAL, TAIL = 0.65, 1.4  # of the noise allowed: where the usual is less, the largest may be more
-SHORT = 4  # members that must be neighbours: rounded drawings make exact chains that short
+USUAL, TAIL = 0.7, 1.4  # of the noise allowed: where the usual is less, the largest may be more
+SHORT = 6  # members that must be neighbours: rounded drawings make exact chains that short
 NEAREST = 3  # neighbours between which a short exact chain runs
 EARLY, LATE = 2.5, 1.6  # times the noise that a prediction may be off, of few members and of many
 LEAST_EXACT: dict[Kind, int] = {
     "line": 3,
-    "parabola": 5,
+    "parabola": 6,
     "ring": 4,
     "log": 5,
     "archimedes": 6,
@@ -37,7 +37,7 @@ LEAST_LOOSE: dict[Kind, int] = {
     "line": 5,
     "parabola": 7,
     "ring": 5,
-    "log": 6,
+    "log": 7,
     "archimedes": 8,
     "vogel": 10,
 }
@@ -220,7 +220,7 @@ def believable(known: Cloud, chain: Chain, tests: float) -> bool:
     least = (LEAST_EXACT if exact else LEAST_LOOSE)[chain.model.kind]
     if len(chain) < least:
         return False
-    if len(chain) <= SHORT and not _local(known, chain):
+    if len(chain) <= SHORT and exact and not _local(known, chain):
         return False
     if not exact and chain.model.kind == "ring" and not chain.model.closed and len(chain) < 6:
         return False
@@ -229,7 +229,7 @@ def believable(known: Cloud, chain: Chain, tests: float) -> bool:
         noise = float(np.median(allowance(known, chain.model, chain.index, known.loose)))
         reach = max(reach, USUAL * noise)
     odds = likely(known, tests, chain.rows, chain.nodes, chain.model.fixed, reach)
-    return odds <= SELDOM
+    return odds <= (SELDOM if exact or chain.model.kind == "line" else SELDOM - 1)
 
 
 def _local(known: Cloud, chain: Chain) -> bool:

@@ -20,7 +20,8 @@ Integers = NDArray[np.int64]
 
 NEIGHBOURS = 12
 EVERY = 60  # points up to which all pairs are neighbours
-COARSE = 0.05  # of the distance of neighbours: rounding that is coarser looks like design
+COARSE, FINE = 0.05, 0.001  # of the distance of neighbours, in the plane and on a line: coarser
+# rounding looks like design, not like chance
 SELDOM = -2.0  # log10 of the accidental lattices that one may expect where one is found
 
 
@@ -49,10 +50,11 @@ class Cloud:
 
 
 def cloud(at: Complexes, exact: float, loose: float, straight: bool = False) -> Cloud:
-    """The cloud of distinct points (n,), n at least 2."""
+    """The cloud of distinct points (n,), n at least 2; straight: known to be on one line."""
     from scipy.spatial import cKDTree
 
     count = len(at)
+    straight = straight or _on_a_line(at)
     tree = cKDTree(np.stack([at.real, at.imag], axis=1))
     often = count - 1 if count <= EVERY else min(NEIGHBOURS, count - 1)
     apart, near = tree.query(np.stack([at.real, at.imag], axis=1), k=often + 1)
@@ -69,8 +71,19 @@ def cloud(at: Complexes, exact: float, loose: float, straight: bool = False) -> 
         return np.where(away <= reaches, row, -1).astype(np.int64).reshape(places.shape)
 
     others = near[:, 1:].astype(np.int64)
-    grain = min(_grain(at, exact), COARSE * float(np.median(apart[:, 1])))
+    coarse = (FINE if straight else COARSE) * float(np.median(apart[:, 1]))
+    grain = min(_grain(at, exact), coarse)
     return Cloud(at, others, density, straight, grain, exact, loose, find)
+
+
+def _on_a_line(at: Complexes) -> bool:
+    """Whether the points are on one line, give or take a hundredth of what they span."""
+    from_middle = at - at.mean()
+    along = np.sqrt((from_middle**2).mean())  # its direction is that of the longest spread
+    if along == 0:
+        return False
+    turned = from_middle * np.abs(along) / along
+    return bool(np.ptp(turned.imag) <= 0.01 * np.ptp(turned.real))
 
 
 def _grain(at: Complexes, exact: float) -> float:

@@ -236,7 +236,7 @@ def _slopes(
     yield by_i, by_j, 0.0
     if turn:
         yield turn, by_j, 0.0
-    if bend:
+    if bend and len(angle) > LEAST:
         first = by_i - bend * float(np.median(2 * index[:, 0] + 1)) / 2
         yield first, by_j, bend / 2
 

@@ -25,11 +25,13 @@ COMMON = 0.1  # of all points: steps so frequent are tried first
 SAMPLED = 400  # points at which a frequent pair of steps is tried
 SEEDS = 240_000  # parallelograms looked at
 WITHIN = 16  # neighbours of a point, two of which span a parallelogram
-FILLED = 0.6  # of the nodes of a grid's box
+FILLED = 0.7  # of the nodes of a grid's box
 LINE, FEW = 0.4, 3  # nodes of a line at the border of a noisy grid: this share or so many
 SLANT = 0.2  # sine of the least angle between the steps
 LENGTHS = 6.0  # most that one step is longer than the other
 BETTER = 1.3  # times as many members make a noisy grid better than an exact one
+# nodes in a finer basis: the same one, the middles of cells, of the one and of the other side
+FINER = np.array([(1, 0, 0, 1), (1, -1, 0, 2), (2, 0, 0, 1), (1, 0, 0, 2)], np.int64)
 AROUND = np.array([(i, j) for i in range(-1, 3) for j in range(-1, 3)], np.int64)
 CORNERS = np.flatnonzero((AROUND >= 0).all(axis=1) & (AROUND <= 1).all(axis=1))
 
@@ -56,16 +58,21 @@ def find_nets(known: Cloud, used: Mask, share: float) -> list[Net]:
             net = _grown(known, seed, used, share)
             if net is None or not _believable(known, net, tests):
                 continue
-            if share == 0:
-                net = _noisier(known, net, used, tests)
+            for finer in FINER[0 if share == 0 else 1 :]:
+                net = _noisier(known, net, used, tests, finer)
             used[net.rows] = True
             found.append(net)
     return found
 
 
-def _noisier(known: Cloud, net: Net, used: Mask, tests: float) -> Net:
-    """The same grid with noise allowed where that makes it much larger."""
-    tried = _grown(known, _Seed(unstaggered(net), net.rows), used, known.loose)
+def _noisier(known: Cloud, net: Net, used: Mask, tests: float, finer: Integers) -> Net:
+    """The same grid with noise allowed, or with the steps (4,) of a finer basis, where that makes
+    it much larger.
+    """
+    p, q, r, s = finer
+    i, j = unstaggered(net).T
+    index = np.stack([p * i + q * j, r * i + s * j], axis=1)
+    tried = _grown(known, _Seed(index, net.rows), used, known.loose)
     if tried is None or len(tried) < max(BETTER * len(net), len(net) + 3):
         return net
     return tried if _believable(known, tried, tests) else net

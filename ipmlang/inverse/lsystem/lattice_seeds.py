@@ -46,6 +46,8 @@ class Seeds:
         left = ATTEMPTS
         for seed in self.rows:
             index = np.flatnonzero(seed >= 0)
+            _, once = np.unique(seed[index], return_index=True)
+            index = index[np.sort(once)]  # a small ring is gone around more than once
             rows = seed[index]
             pairs = set(pairwise(rows.tolist()))
             if pairs <= self.tried or self.used[rows].sum() > 1 or left == 0:

@@ -1,8 +1,8 @@
 """Classes whose curves are similar enough made one: the threshold of the 2010 paper, section 4.1.
 
 In come classes and a similarity, out go fewer classes, each shown by the one with most members.
-Shapes are compared only where the distances of their points from their centres and their turns,
-both in order of size, are about the same. How similar two curves are is measured in `similarity`.
+Shapes are compared only where the distances of their points from their centres, in order of size,
+and how much they turn are about the same. `similarity` measures how similar two curves are.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from ipmlang.inverse.lsystem.merging import (
 )
 from ipmlang.inverse.lsystem.similarity import APART, BENT, bent
 
-SLACK = 0.02  # radii, what sampling may change of a profile
+SLACK = 0.05  # radii, what sampling may change of a profile
 
 
 def merge_similar(found: Sequence[Found], similarity: float) -> list[Found]:
@@ -45,9 +45,9 @@ class _Similar:
         self.samples = sample(outlines)
         keys = [(-len(each.members), -symmetries(each), row) for row, each in enumerate(shapes)]
         self.order = [row for _, _, row in sorted(keys)]
-        bends = np.abs(bent(self.samples.turn)) * (APART / BENT)
-        columns = [np.sort(each, axis=1) for each in (np.abs(self.samples.points), bends)]
-        self.profile = np.concatenate([each[:, 4::8] for each in columns], axis=1)
+        distances = np.sort(np.abs(self.samples.points), axis=1)[:, 4::8]
+        bends = np.abs(bent(self.samples.turn)).mean(axis=1) * (APART / BENT)
+        self.profile = np.column_stack([distances, bends])
         self.room = SLACK + APART * float(np.sqrt(1 - similarity))
         self.tree = cKDTree(self.profile)
         count = min(NEAREST + 1, len(shapes))

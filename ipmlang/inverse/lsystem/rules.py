@@ -14,7 +14,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ipmlang.inverse.lsystem.candidates import Candidate
 from ipmlang.inverse.lsystem.clusters import cluster, members
+from ipmlang.inverse.lsystem.edits import Edit, apart
 from ipmlang.inverse.lsystem.frames import (
     Frames,
     compose,
@@ -22,9 +24,10 @@ from ipmlang.inverse.lsystem.frames import (
     identity,
     inverse,
     join,
-    replaced,
     wrap,
 )
+from ipmlang.inverse.lsystem.importance import Measure
+from ipmlang.inverse.lsystem.journal import Journal, Outcome
 from ipmlang.inverse.lsystem.motifs import Motif, find_motifs, motif_leads, relative_places
 from ipmlang.inverse.lsystem.patterns import Pattern
 from ipmlang.inverse.lsystem.sequences import Run, find_runs
@@ -34,30 +37,20 @@ from ipmlang.inverse.lsystem.symbols import (
     Arrangement,
     Integers,
     Seen,
-    joined,
     misses,
 )
-from ipmlang.inverse.score import COUNTED, HEAD, placement_tokens, sequence_tokens
+from ipmlang.inverse.lsystem.trees import Tree, TreeSearch
+from ipmlang.inverse.options import Options
+from ipmlang.inverse.score import (
+    COUNTED,
+    HEAD,
+    placement_tokens,
+    sequence_tokens,
+    tree_tokens,
+)
 
 ROUNDS = 400  # a bound that no drawing should reach: each round makes the string shorter
 SHARE = 0.5  # a round takes candidates that save at least this share of the best one
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Candidate:
-    """A rule that could be made. gain: tokens it would save if all occurrences were free.
-
-    A pair has rows of its first symbols, their leads and the step; a longer stretch is a `motif`;
-    runs of one pattern have `runs`.
-    """
-
-    gain: float
-    order: int
-    rows: Integers
-    lead: Frames
-    step: Frames | None = None
-    runs: tuple[Run, ...] = ()
-    motif: Motif | None = None
 
 
 @dataclass(slots=True, eq=False)
@@ -66,7 +59,7 @@ class Search:
 
     What a motif is made of is searched on: its first occurrence stands at the end of the string,
     under a `wrap` of its own, so that nothing mixes with it. bodies: the motif and its frame by
-    that wrap.
+    that wrap. measure: of the terms that options ask for; journal: what was tried.
     """
 
     alphabet: Alphabet
@@ -74,55 +67,98 @@ class Search:
     string: Arrangement
     progress: Callable[[str], None] | None = None
     bodies: dict[int, tuple[int, Frames]] = field(default_factory=dict)
+    options: Options = field(default_factory=Options)
+    measure: Measure | None = None
+    journal: Journal = field(default_factory=Journal)
+    trees: TreeSearch = field(default_factory=TreeSearch)
 
     def run(self) -> Arrangement:
         """Replace until nothing pays; the string that is left becomes the axiom."""
         for number in range(ROUNDS):
             if self.progress is not None:
                 self.progress(f"round {number + 1}: {len(self.string)} symbols left")
-            if not self._round():
+            if not self._round() and not (self.options.paper and self._pair_up()):
                 break
         for wrap_number, (symbol, lead) in self.bodies.items():
             rows = np.flatnonzero(self.string.wrap == wrap_number)
             places = compose(inverse(lead), self.string.placed[rows])
             self.alphabet.rewrite(symbol, self.string.symbol[rows], places)
         axiom = self.string[~np.isin(self.string.wrap, list(self.bodies))]
-        return replace(axiom, symbol=self.alphabet.sort()[axiom.symbol])
+        numbers = self.alphabet.sort()
+        self.journal.renumber(numbers)
+        return replace(axiom, symbol=numbers[axiom.symbol])
 
     def _round(self) -> bool:
         pairs, steps, loose = self._labels()
         candidates = self._pairs(pairs, steps) + self._motifs(pairs, loose) + self._sequences()
+        candidates += self._trees()
         if not candidates:
             return False
-        best = max(candidate.gain for candidate in candidates)
-        chosen = [each for each in candidates if each.gain >= max(1.0, SHARE * best)]
-        chosen.sort(key=lambda each: (-each.gain, each.order))
-        edit = _Edit(self.string)
-        for candidate in chosen:
-            self._take(candidate, edit)
-        if not edit.changed:
-            return self._retry(candidates, chosen)
-        self.string = edit.result()
-        return True
+        candidates = sorted(self._weighed(candidates), key=lambda each: (-each.worth, each.order))
+        paying = [each for each in candidates if each.gain >= 1.0]
+        chosen = [each for each in paying if each.worth >= SHARE * candidates[0].worth]
+        # Where the best ones all fail their comparison, the others are tried before giving up.
+        return self._try(chosen, candidates) or self._try(paying[len(chosen) :], [])
 
-    def _retry(self, candidates: list[Candidate], tried: list[Candidate]) -> bool:
-        """The best ones all failed their comparison: try the others before giving up."""
-        failed = {id(each) for each in tried}
-        edit = _Edit(self.string)
-        for candidate in sorted(candidates, key=lambda each: (-each.gain, each.order)):
-            if id(candidate) not in failed and candidate.gain >= 1.0:
-                self._take(candidate, edit)
+    def _weighed(self, candidates: list[Candidate]) -> list[Candidate]:
+        """With their terms, where somebody asks for these."""
+        weights = self.options.weights
+        if self.measure is None or (weights.neutral and not self.options.explain):
+            return candidates
+        clusters = [each.cluster() for each in candidates]
+        terms = self.measure.terms(self.alphabet, self.string, clusters)
+        return [
+            replace(each, terms=known, multiplier=known.multiplier(weights))
+            for each, known in zip(candidates, terms, strict=True)
+        ]
+
+    def _try(self, chosen: list[Candidate], weighed: list[Candidate]) -> bool:
+        """Take what can be taken, in this order; all that was weighed is noted."""
+        edit = Edit(self.string)
+        outcomes = {id(each): self._take(each, edit) for each in chosen}
+        if self.options.explain and (chosen or weighed):
+            self._note(weighed or chosen, outcomes)
         if edit.changed:
             self.string = edit.result()
         return edit.changed
 
-    def _take(self, candidate: Candidate, edit: _Edit) -> None:
+    def _note(self, weighed: list[Candidate], outcomes: dict[int, tuple[Outcome, int]]) -> None:
+        trials = [
+            each.trial(self.string, each.terms, *outcomes.get(id(each), ("not tried", -1)))
+            for each in weighed
+            if each.terms is not None
+        ]
+        self.journal.add(len(self.string), trials)
+
+    def _pair_up(self) -> bool:
+        """Join neighbours for which no rule pays, the most important first: the paper goes on until
+        one symbol is left (Figure 8b). Equation 5 alone ranks them.
+        """
+        assert self.measure is not None
+        pairs, steps, _ = self._labels()
+        candidates = self._pairs(pairs, steps, -np.inf) + self._lone_pairs()
+        clusters = [each.cluster() for each in candidates]
+        terms = self.measure.terms(self.alphabet, self.string, clusters)
+        weights = self.options.weights
+        ranked = [
+            (-known.importance(weights), each.order, replace(each, terms=known))
+            for each, known in zip(candidates, terms, strict=True)
+        ]
+        ranked.sort(key=lambda each: each[:2])
+        chosen = [each for _, _, each in ranked]
+        return self._try(chosen, chosen)
+
+    def _take(self, candidate: Candidate, edit: Edit) -> tuple[Outcome, int]:
+        """What became of a candidate, and its new symbol."""
         if candidate.runs:
-            self._take_runs(candidate, edit)
+            outcome = self._take_runs(candidate, edit)
+        elif candidate.tree is not None:
+            outcome = self._take_tree(candidate.tree, edit)
         elif candidate.motif is not None:
-            self._take_motif(candidate.motif, edit)
+            outcome = self._take_motif(candidate.motif, edit)
         else:
-            self._take_pair(candidate, edit)
+            outcome = self._take_pair(candidate, edit)
+        return outcome, len(self.alphabet) - 1 if outcome == "taken" else -1
 
     # ------------------------------------------------------------------ pairs
 
@@ -135,11 +171,11 @@ class Search:
         loose = slack * pairs.leverage(self.alphabet, self.string)[:, None]
         return pairs, cluster(pairs.spaces, values, slack), cluster(pairs.spaces, values, loose)
 
-    def _pairs(self, pairs: Pairs, labels: Integers) -> list[Candidate]:
+    def _pairs(self, pairs: Pairs, labels: Integers, least: float = 1.0) -> list[Candidate]:
         cost = placement_tokens(self.string.placed, self.alphabet.tolerance)
         found = []
         for rows in members(labels, 2):
-            rows = _apart(pairs.first, rows)
+            rows = apart(pairs.first, rows)
             if len(rows) < 2:
                 continue
             step = _middle(pairs, rows)
@@ -148,23 +184,38 @@ class Search:
             left = placement_tokens(pairs.lead[rows], self.alphabet.tolerance)
             rule = HEAD + 1 + int(placement_tokens(step, self.alphabet.tolerance)[0])
             gain = float((saved - left).sum() - rule)
-            if gain >= 1.0:
+            if gain >= least:
                 found.append(Candidate(gain, int(first[0]), first, pairs.lead[rows], step))
         return found
 
-    def _take_pair(self, candidate: Candidate, edit: _Edit) -> None:
+    def _lone_pairs(self) -> list[Candidate]:
+        """Every two neighbours, whatever their step."""
+        first = np.flatnonzero(self.string.wrap[1:] == self.string.wrap[:-1])
+        cost = placement_tokens(self.string.placed, self.alphabet.tolerance)
+        lead = self.string.placed[first]
+        step = compose(inverse(lead), self.string.placed[first + 1])
+        rule = HEAD + 1 + placement_tokens(step, self.alphabet.tolerance)
+        gain = cost[first + 1] - rule
+        return [
+            Candidate(float(gain[k]), row, first[k : k + 1], lead[k : k + 1], step[k : k + 1])
+            for k, row in enumerate(first.tolist())
+        ]
+
+    def _take_pair(self, candidate: Candidate, edit: Edit) -> Outcome:
         assert candidate.step is not None
         clear = edit.clear(candidate.rows, 2)
         rows, lead = candidate.rows[clear], candidate.lead[clear]
-        if len(rows) < 2 or candidate.gain * len(rows) < 0.5 * candidate.gain * len(clear):
-            return
+        least = min(2, len(candidate.rows))
+        if len(rows) < least or 2 * len(rows) < len(clear):
+            return "overlaps"
         parts = self.string.symbol[[int(rows[0]), int(rows[0]) + 1]]
         places = join([frames(np.zeros(1, np.complex128)), candidate.step])
         symbol = self.alphabet.add_group(parts, places)
         good = self._exact(symbol, lead, self.string.start[rows])
-        if good.sum() < 2:
-            return
+        if good.sum() < least:
+            return "not exact"
         edit.replace(rows[good], np.full(int(good.sum()), 2), symbol, lead[good])
+        return "taken"
 
     # ----------------------------------------------------------------- motifs
 
@@ -176,10 +227,10 @@ class Search:
             for each in find_motifs(self.string, steps, self.alphabet.tolerance)
         ]
 
-    def _take_motif(self, motif: Motif, edit: _Edit) -> None:
+    def _take_motif(self, motif: Motif, edit: Edit) -> Outcome:
         rows = motif.rows[edit.clear(motif.rows, motif.length)]
         if len(rows) < 2 or 2 * len(rows) < len(motif.rows):
-            return
+            return "overlaps"
         motif = replace(motif, rows=rows)
         first = int(rows[0])
         inside = slice(first, first + motif.length)
@@ -192,16 +243,41 @@ class Search:
         lead, error = motif_leads(self.alphabet, self.string, motif, missed)
         good = np.flatnonzero(error <= self.alphabet.tolerance)
         if len(good) * motif.gain < 0.5 * motif.gain * len(rows) or len(good) < 2:
-            return
+            return "not exact"
         edit.replace(rows[good], np.full(len(good), motif.length), symbol, lead[good])
         wrap_number = int(self.string.wrap.max(initial=0)) + 1 + len(edit.bodies)
         self.bodies[wrap_number] = (symbol, self.string.placed[first : first + 1])
         body = self.string[np.arange(first, first + motif.length)]
         edit.bodies.append(replace(body, wrap=np.full(motif.length, wrap_number, np.int64)))
+        return "taken"
 
     def _exact(self, symbol: int, lead: Frames, start: Integers) -> NDArray[np.bool_]:
         worst = misses(self.alphabet, self.seen, symbol, lead, start)
         return np.asarray(worst <= self.alphabet.tolerance)
+
+    # ------------------------------------------------------------------ trees
+
+    def _trees(self) -> list[Candidate]:
+        cost = placement_tokens(self.string.placed, self.alphabet.tolerance)
+        found = []
+        for tree in self.trees.find(self.alphabet, self.string):
+            rows = np.arange(tree.first, tree.first + tree.count)
+            left = int(placement_tokens(tree.lead, self.alphabet.tolerance)[0])
+            gain = float(cost[rows].sum() - left - tree_tokens(tree.branching))
+            if gain >= 1.0:
+                found.append(Candidate(gain, tree.first, rows[:1], tree.lead, tree=tree))
+        return found
+
+    def _take_tree(self, tree: Tree, edit: Edit) -> Outcome:
+        rows = np.array([tree.first])
+        if not edit.clear(rows, tree.count)[0]:
+            return "overlaps"
+        part = int(self.string.symbol[tree.first])
+        symbol = self.alphabet.add_tree(part, tree.branching)
+        if not self._exact(symbol, tree.lead, self.string.start[rows])[0]:
+            return "not exact"
+        edit.replace(rows, np.array([tree.count]), symbol, tree.lead)
+        return "taken"
 
     # -------------------------------------------------------------- sequences
 
@@ -254,16 +330,17 @@ class Search:
         further = np.where((kind == "polar")[:, None], count[:, None] * slack, slack)
         labels = symbol * (len(known) + 1) + np.array(kinds, np.int64)
         inside = np.stack([np.rad2deg(self.alphabet.tolerance / arm), room, room], axis=1)
-        columns = [slack, further / count[:, None], inside]
-        return cluster(labels, values, np.concatenate(columns, axis=1))
+        rooms = [slack, further / count[:, None], inside]
+        return cluster(labels, values, np.concatenate(rooms, axis=1))
 
     def _kind(self, pattern: Pattern) -> tuple[object, ...]:
         """Equal for patterns that may be one: those of one kind, or with one list of steps."""
         grid = 4 * self.alphabet.tolerance
         return (*pattern.label, tuple(round(step / grid) for step in pattern.steps))
 
-    def _take_runs(self, candidate: Candidate, edit: _Edit) -> None:
+    def _take_runs(self, candidate: Candidate, edit: Edit) -> Outcome:
         family = -1
+        outcome: Outcome = "overlaps"
         pattern = _shared_pattern([run.pattern for run in candidate.runs])
         known: dict[int, int] = {}
         for run in candidate.runs:
@@ -278,55 +355,10 @@ class Search:
             start = self.string.start[[run.first]]
             if self._exact(symbol, run.lead, start)[0]:
                 edit.replace(np.array([run.first]), np.array([run.count]), symbol, run.lead)
-
-
-class _Edit:
-    """Replacements in one string that do not overlap."""
-
-    def __init__(self, string: Arrangement) -> None:
-        self.string = string
-        self.used = np.zeros(len(string) + 1, np.bool_)
-        self.keep = np.ones(len(string), np.bool_)
-        self.symbol = string.symbol.copy()
-        self.changed = False
-        self.bodies: list[Arrangement] = []
-        self._new: list[tuple[Integers, Frames]] = []
-
-    def clear(self, rows: Integers, count: int) -> NDArray[np.bool_]:
-        """(k,) whether none of the `count` rows from each on is used yet."""
-        free = np.ones(len(rows), np.bool_)
-        if count > 2:
-            return np.array([not self.used[row : row + count].any() for row in rows.tolist()])
-        for offset in range(count):
-            free &= ~self.used[rows + offset]
-        return free
-
-    def replace(self, rows: Integers, counts: Integers, symbol: int, lead: Frames) -> None:
-        """Put one symbol in place of `counts` neighbours from each of `rows` on."""
-        for row, count in zip(rows.tolist(), counts.tolist(), strict=True):
-            self.used[row : row + count] = True
-            self.keep[row + 1 : row + count] = False
-        self.symbol[rows] = symbol
-        self._new.append((rows, lead))
-        self.changed = True
-
-    def result(self) -> Arrangement:
-        """The string after all replacements, new bodies at its end."""
-        changed = self.string.placed
-        rows = np.concatenate([each for each, _ in self._new])
-        changed = replaced(changed, rows, join([lead for _, lead in self._new]))
-        string = Arrangement(self.symbol, changed, self.string.start, self.string.wrap)
-        return joined([string[self.keep], *self.bodies])
-
-
-def _apart(first: Integers, rows: Integers) -> Integers:
-    """Without rows whose pair overlaps the one taken before it, from left to right."""
-    at = first[rows]
-    if len(at) < 2 or not (np.diff(at) == 1).any():
-        return rows
-    new = np.concatenate([[True], np.diff(at) != 1])
-    since = np.arange(len(at)) - np.maximum.accumulate(np.where(new, np.arange(len(at)), 0))
-    return np.asarray(rows[since % 2 == 0])
+                outcome = "taken"
+            elif outcome == "overlaps":
+                outcome = "not exact"
+        return outcome
 
 
 def _middle(pairs: Pairs, rows: Integers) -> Frames:

@@ -27,7 +27,7 @@ TURNS = 24  # cells of the transformation space around
 CELLS, CELL = 8, 0.16  # and along x and y, so many of so many radii
 PEAKS = 3  # of each transformation space that are looked at
 ROUNDS = 3  # of mean shift
-GENEROUS, DOUBT = 1.5, 0.15  # what few samples leave open: how far apart, how similar
+GENEROUS, DOUBT = 1.5, 0.75  # what few samples leave open: how far apart, how similar
 WIDE = 3.0  # how much further samples may be apart at first, cells being coarse
 START_ROOM = 1 / 16  # of the length, how far starts may be apart where they show
 
@@ -103,7 +103,7 @@ def match(
         factor, shift, form = (np.take_along_axis(each, best, 1) for each in (factor, shift, form))
     factor, shift, best = factor[:, 0], shift[:, 0], form[:, 0]
     hope = _hope(variants.thinned()[best], given.thinned(), factor, shift, directed)
-    rows = np.flatnonzero(hope >= least - DOUBT)
+    rows = np.flatnonzero(hope >= DOUBT * least)
     if not len(rows):
         return Matches(np.zeros(len(others)), factor, shift, hands[best])
     given, chosen = given[rows], variants[best[rows]]

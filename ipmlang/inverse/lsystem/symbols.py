@@ -8,6 +8,7 @@ string that is rewritten: symbols with world frames, in paint order. Nothing her
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,11 @@ from ipmlang.inverse.lsystem.frames import (
 )
 from ipmlang.inverse.lsystem.patterns import Pattern
 from ipmlang.inverse.lsystem.symmetry import Symmetry
+from ipmlang.inverse.recursion.branching import Branching
+from ipmlang.inverse.recursion.twigs import grow
+
+if TYPE_CHECKING:
+    from ipmlang.inverse.lattice_rule import LatticeRule
 
 Integers = NDArray[np.int64]
 
@@ -39,8 +45,10 @@ class Definition:
     leaves: (size,) terminals it expands to; leaf_frames: (size,) their frames here; stabiliser:
     (k,) frames that keep all of it, identity first; free: any rotation about the origin does too;
     radius: largest distance of what it draws from its origin; effect: the class of the effect that
-    wraps it, -1 for none; anchored: that effect lies somewhere, at this symbol's frame; marks: how
-    many of the leaves are such effects, which draw nothing themselves.
+    wraps it, -1 for none; branching, lattice: the
+    structure that its parts are the nodes of; anchored: that
+    effect lies somewhere, at this symbol's frame; marks: how many of the leaves are such effects,
+    which draw nothing themselves.
     """
 
     parts: Integers
@@ -53,6 +61,8 @@ class Definition:
     at: Complexes
     arm: Complexes
     pattern: Pattern | None = None
+    branching: Branching | None = None
+    lattice: LatticeRule | None = None
     family: int = -1
     effect: int = -1
     anchored: bool = False
@@ -141,6 +151,37 @@ class Alphabet:
         self.definitions.append(replace(made, pattern=pattern, family=family))
         return len(self) - 1
 
+    def add_tree(self, part: int, branching: Branching) -> int:
+        """A new branching structure of copies of `part`; its number."""
+        grown = grow(identity(1), list(branching.twigs), branching.depth, len(branching.order))
+        assert grown is not None
+        places = grown.frames[grown.preorder()]
+        symbol = self.add_group(np.full(len(places), part, np.int64), places)
+        self.definitions[symbol] = replace(self.definitions[symbol], branching=branching)
+        return symbol
+
+    def add_lattice(self, rule: LatticeRule, places: Frames) -> int:
+        """A lattice of copies at places (m,), by node; its number. It has no symmetry."""
+        inner = self[rule.part]
+        every = compose(places[:, None], inner.leaf_frames)
+        placed = every.flat()
+        radius = float(np.max(np.abs(places.position) + places.scale * inner.radius))
+        self.definitions.append(
+            Definition(
+                np.full(len(places), rule.part, np.int64),
+                places,
+                np.tile(inner.leaves, len(places)),
+                placed,
+                identity(1),
+                False,
+                radius,
+                placed.position,
+                placed.factor,
+                lattice=rule,
+            )
+        )
+        return len(self) - 1
+
     def rewrite(self, symbol: int, parts: Integers, places: Frames) -> None:
         """Say otherwise what a group is made of: other parts that expand to the same."""
         known = self.definitions[symbol]
@@ -172,6 +213,12 @@ class Alphabet:
             for each in (self.definitions[symbol] for symbol in order)
         ]
         return number
+
+    def alike(self, part: int, one: Frames, other: Frames) -> NDArray[np.bool_]:
+        """(k,) whether a symbol looks the same at both of two frames, row by row."""
+        moved = compose(other, inverse(one))
+        rows = [slice(k, k + 1) for k in range(len(one))]
+        return np.array([self._keeps(part, one[row], moved[row])[0] for row in rows], np.bool_)
 
     def _composed(self, parts: Integers, places: Frames) -> Definition:
         known = [self[int(part)] for part in parts]

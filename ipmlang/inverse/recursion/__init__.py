@@ -3,24 +3,31 @@
 `fold` takes straight segments and gives a proven `Recursion` (rules, start, number of steps,
 placement) or None: `strokes` reads the joints, `windows` tells congruent runs, `sizes` says which
 recursions the count allows, `layout` finds the copies, `bodies` and `attach` write commands,
-`settle` proves; `stochastic` reads alternatives and their draws. `find_branching` takes placed
-copies of any shape in any order and gives the paper's R(m). Nothing here reads files.
+`settle` proves; `stochastic` and `stems` read alternatives and their draws. `find_branching` takes
+copies of any shape in any order and gives the paper's R(m), `find_tips` what stands at its ends.
 """
 
 from __future__ import annotations
 
 from ipmlang.inverse.recursion.branching import Branching, find_branching
-from ipmlang.inverse.recursion.branching_grammar import branching_rules, branching_start
-from ipmlang.inverse.recursion.fold import fold
+from ipmlang.inverse.recursion.branching_grammar import branching_rules, branching_start, tip_place
 from ipmlang.inverse.recursion.grammar import as_grammar
 from ipmlang.inverse.recursion.program import Recursion
+from ipmlang.inverse.recursion.search import fold
+from ipmlang.inverse.recursion.segments import Segments, segments
+from ipmlang.inverse.recursion.tips import Tipped, find_tips
 
 __all__ = [
     "Branching",
     "Recursion",
+    "Segments",
+    "Tipped",
     "as_grammar",
     "branching_rules",
     "branching_start",
     "find_branching",
+    "find_tips",
     "fold",
+    "segments",
+    "tip_place",
 ]

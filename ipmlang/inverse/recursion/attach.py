@@ -78,7 +78,8 @@ def attach(levels: list[Level], hopping: bool) -> Tree | None:
         reached = here or reached if hopping else here
         if not reached:
             return None
-        node, hop = reached[0]
+        # What a file's axiom hops to is reached from its start: where its symbols end says nothing.
+        node, hop = reached[0] if here or len(levels) > 1 else reached[-1]
         parents.append(node)
         hops.append(None if hop == HERE else hop)
         spine = [*spine[: spine.index(node) + 1], index + 1]

@@ -16,11 +16,11 @@ from itertools import combinations, islice
 
 import numpy as np
 
-from ipmlang.inverse.lsystem.frames import Frames
+from ipmlang.inverse.lsystem.frames import Frames, frames
 from ipmlang.inverse.recursion.chains import Chain, find_chains
 from ipmlang.inverse.recursion.nodes import Nodes, make_nodes
 from ipmlang.inverse.recursion.strokes import Integers
-from ipmlang.inverse.recursion.twigs import Grown, Twig, fitted, grow, rounded
+from ipmlang.inverse.recursion.twigs import SPIN, Grown, Twig, fitted, grow, rounded
 
 MOST_ROOTS = 6
 MOST_PAIRS = 300
@@ -130,8 +130,21 @@ def _proven(nodes: Nodes, start: Frames, used: list[Chain]) -> Branching | None:
             continue
         found = nodes.match(grown.frames)
         if found is not None:
+            if nodes.free:
+                start, twigs = _facing(start, twigs)
+                grown = grow(start, twigs, depth, nodes.count) or grown
             return _finished(nodes, start, twigs, depth, grown, found)
     return None
+
+
+def _facing(root: Frames, twigs: list[Twig]) -> tuple[Frames, list[Twig]]:
+    """The same structure of round shapes whose first branch faces the way it goes."""
+    spin = twigs[0].first[SPIN]
+    turned = [
+        Twig(twig.first + np.array([spin, 0, 0, -spin]), twig.slope, twig.hand, twig.less)
+        for twig in twigs
+    ]
+    return frames(root.position, root.angle - spin, root.scale, root.handedness), turned
 
 
 def _decreases(used: list[Chain], depth: int) -> list[tuple[int, ...]]:

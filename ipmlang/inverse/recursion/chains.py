@@ -17,7 +17,7 @@ from ipmlang.inverse.recursion.nodes import Nodes, between
 from ipmlang.inverse.recursion.strokes import Integers
 from ipmlang.inverse.recursion.twigs import SCALE, SPIN, TURN, frames_of, steps_of
 
-NEAR = 24
+NEAR = 20
 COMPARABLE = 0.3
 LONGEST = 40
 MOST_CHAINS = 40
@@ -69,14 +69,25 @@ def find_chains(nodes: Nodes, start: Frames, root: int, linear: bool) -> list[Ch
 
 
 def _neighbours(nodes: Nodes, copy: int) -> Integers:
-    """The nearest other copies of a comparable size."""
+    """The nearest other copies of a comparable size, and the largest of them."""
     own = nodes.own
     size = own.scale / own.scale[copy]
     alike = np.flatnonzero((size > COMPARABLE) & (size < 1 / COMPARABLE))
     away = np.abs(own.position[alike] - own.position[copy])
     away[alike == copy] = np.inf
-    most = min(NEAR, len(alike) - 1)
-    return alike[np.argsort(away, kind="stable")[:most]]
+    order = np.argsort(away, kind="stable")[: len(alike) - 1]
+    large = order[np.argsort(-np.round(own.scale[alike[order]], 9), kind="stable")]
+    chosen = np.unique(np.concatenate([order[:NEAR], large[:NEAR]]))
+    return np.asarray(alike[chosen], np.int64)
+
+
+def _alike(nodes: Nodes, copy: int, size: float) -> Integers:
+    """The nearest other copies of this scale."""
+    own = nodes.own
+    alike = np.flatnonzero(np.abs(own.scale - size) * nodes.radius <= 2 * nodes.tolerance)
+    alike = alike[alike != copy]
+    away = np.abs(own.position[alike] - own.position[copy])
+    return np.asarray(alike[np.argsort(away, kind="stable")[:NEAR]], np.int64)
 
 
 def _links(nodes: Nodes, root: int) -> _Links:
@@ -93,7 +104,7 @@ def _round_links(nodes: Nodes, start: Frames, root: int) -> _Links:
     for copy in _neighbours(nodes, root).tolist():
         place = nodes.every[copy : copy + 1]
         came = place.position[0] - start.position[0]
-        after = _neighbours(nodes, copy)
+        after = _alike(nodes, copy, float(place.scale[0] ** 2 / start.scale[0]))
         away = nodes.every.position[after] - place.position[0]
         away = away[(after != root) & (np.abs(away) > nodes.tolerance)]
         if abs(came) <= nodes.tolerance or not len(away):

@@ -13,6 +13,7 @@ from typing import TypeAlias
 from ipmlang.compiler import ast
 from ipmlang.compiler.tokens import count_tokens
 from ipmlang.inverse.recursion.program import (
+    DRAW,
     Body,
     Branch,
     Command,
@@ -25,6 +26,7 @@ from ipmlang.inverse.recursion.program import (
     Turn,
 )
 
+UNTOLD = {"angle": 0.0, "step": 1.0}  # settings of the turtle that need not be written
 MOST_TURNS = 3  # so many equal turns are repeated, more are one turn by a number
 
 
@@ -40,16 +42,20 @@ def as_grammar(
     the numbers of `Recursion.styles`; without them, and where there is one style, no pen is set.
     """
     writer = _Writer(recursion, _names(recursion, taken))
-    settings = [ast.Setting("step", ast.Number(recursion.step))]
-    if recursion.angle:
-        settings.insert(0, ast.Setting("angle", ast.Number(recursion.angle)))
+    settings = {"angle": recursion.angle, "step": recursion.step}
+    told = [
+        ast.Setting(key, ast.Number(value))
+        for key, value in settings.items()
+        if value != UNTOLD[key]
+    ]
     start = ast.Start(
-        (_place(recursion), *writer.body(recursion.start)),
+        (*_place(recursion), *writer.body(recursion.start)),
         steps=ast.Number(float(recursion.steps)),
         choices=_choices(recursion, writer.names),
     )
     meanings = _meanings(recursion, writer.names, pens or {})
-    return (ast.Turtle(tuple(settings)), *writer.rules(), *meanings, start)
+    turtle = (ast.Turtle(tuple(told)),) if told else ()
+    return (*turtle, *writer.rules(), *meanings, start)
 
 
 def _meanings(recursion: Recursion, names: dict[str, str], pens: Pens) -> list[ast.Rule]:
@@ -62,6 +68,9 @@ def _meanings(recursion: Recursion, names: dict[str, str], pens: Pens) -> list[a
         if pen or names[name] != mark:
             body = (*pen, ast.Module(mark))
             rules.append(ast.Rule(ast.Head(names[name]), body, interpret=True))
+    pen = pens.get(recursion.styles.get(DRAW, 0), ()) if several else ()
+    if pen and _has(Draw, recursion.bodies):
+        rules.append(ast.Rule(ast.Head("F"), (*pen, ast.Module("F")), interpret=True))
     return rules
 
 
@@ -80,12 +89,16 @@ def token_count(recursion: Recursion) -> int:
     return count_tokens(ast.Grammar(as_grammar(recursion)))
 
 
-def _place(recursion: Recursion) -> ast.Module:
-    """`at(x, y, heading)`."""
-    values = [recursion.at.real, recursion.at.imag]
-    if recursion.heading:
-        values.append(recursion.heading)
-    return ast.Module("at", tuple(ast.Argument(ast.Number(value + 0.0)) for value in values))
+def _place(recursion: Recursion) -> tuple[ast.Module, ...]:
+    """`at(x, y, heading)`, only a turn at the origin, or nothing."""
+    values = [recursion.at.real, recursion.at.imag, recursion.heading]
+    if not any(values):
+        return ()
+    if not any(values[:2]):
+        turn = ast.Number(abs(recursion.heading))
+        return (ast.Module("+" if recursion.heading > 0 else "-", (ast.Argument(turn),)),)
+    told = values if recursion.heading else values[:2]
+    return (ast.Module("at", tuple(ast.Argument(ast.Number(value + 0.0)) for value in told)),)
 
 
 def _names(recursion: Recursion, taken: frozenset[str]) -> dict[str, str]:

@@ -90,7 +90,7 @@ class Recursion:
     pieces: symbols that only grow.
     alternatives, choices: productions of the symbol that draws one, and the numbers of those it
         took, generation by generation, each from left to right.
-    styles: numbers of the styles of drawn symbols, where they differ.
+    styles: numbers of the styles of drawn symbols and of DRAW, where they differ.
     """
 
     rules: dict[str, Body]
@@ -128,6 +128,9 @@ class Drawn:
     factor: complex
 
 
+DRAW = "draw"  # what stands for the plain command in `Recursion.styles`
+PLAIN_DRAW = -1  # its style until the whole is drawn
+
 Known: TypeAlias = "dict[tuple[str, int], Drawn]"
 
 
@@ -148,6 +151,7 @@ def expand(recursion: Recursion) -> Drawn:
         for name, body in recursion.rules.items():
             known[name, steps] = _symbol(recursion, known, name, body, steps)
     drawn = _derived(recursion, known)
+    drawn.style[drawn.style == PLAIN_DRAW] = recursion.styles.get(DRAW, 0)
     placed = recursion.step * complex(unit(np.array(recursion.heading)))
     return Drawn(
         drawn.start * placed + recursion.at,
@@ -168,7 +172,7 @@ def _derived(recursion: Recursion, known: Known) -> Drawn:
     string: Body = recursion.start
     for steps in range(recursion.steps, 0, -1):
         string = _rewritten(string, name, bodies, taken, known, steps - 1)
-    known[name, 0] = _drawn((), known, 0)
+    known[name, 0] = _symbol(recursion, known, name, (), 0)
     return _drawn(string, known, 0)
 
 
@@ -228,7 +232,9 @@ def _run(body: Body, known: Known, steps: int, turtle: _Turtle) -> None:
                 turtle.factor *= command.factor
             case Draw():
                 end = turtle.at + turtle.factor * command.length
-                turtle.parts.append((np.array([turtle.at]), np.array([end]), np.zeros(1, np.int64)))
+                turtle.parts.append(
+                    (np.array([turtle.at]), np.array([end]), np.full(1, PLAIN_DRAW))
+                )
                 turtle.at = end
             case Move():
                 turtle.at += turtle.factor * command.length

@@ -29,12 +29,13 @@ from ipmlang.inverse.recursion.program import (
 from ipmlang.inverse.recursion.strokes import Strokes
 
 PLACES = 7
+NEAR = 0.02  # of the usual turn: what a multiple of it may be off before it is rounded
 CLOSE = 100.0  # times the bound that a program may miss before its numbers are rounded
 
 
 def settled(program: Recursion, strokes: Strokes) -> Recursion | None:
     """The program placed, with the shortest numbers that still draw the strokes."""
-    bound = 2 * strokes.tolerance
+    bound = strokes.tolerance
     raw = _placed(program, strokes)
     if raw is None or raw.error > CLOSE * bound:
         return None
@@ -72,7 +73,7 @@ def _measured(program: Recursion, strokes: Strokes) -> Recursion:
 
 def _short_placement(placed: Recursion, strokes: Strokes) -> Recursion:
     """Position, heading and step with as few digits as the error allows."""
-    bound = max(2 * placed.error, strokes.tolerance)
+    bound = min(strokes.tolerance, max(1.5 * placed.error, strokes.tolerance / 4))
     for places in range(PLACES + 3):
         shorter = replace(
             placed,
@@ -87,41 +88,43 @@ def _short_placement(placed: Recursion, strokes: Strokes) -> Recursion:
 
 def _rounded(program: Recursion) -> Iterator[Recursion]:
     """The program with its angles as multiples of one short angle, then each short by itself."""
-    angles = sorted(set(_values(program, Turn)))
-    base = _common(angles)
+    base = _common(_angles(program.bodies[:-1])) or _common(_angles(program.bodies))
     for places in range(PLACES):
         if base:
             angle = round(base, places)
             if angle:
-                yield replace(_mapped(program, partial(_whole, angle), places), angle=angle)
+                turn = partial(_whole, angle, places)
+                yield replace(_mapped(program, turn, places), angle=angle)
     for places in range(PLACES):
         plain = _mapped(program, partial(round, ndigits=places), places)
         yield replace(plain, angle=_usual(plain))
 
 
-def _whole(unit: float, angle: float) -> float:
-    """The nearest multiple."""
-    return round(angle / unit) * unit
+def _whole(unit: float, places: int, angle: float) -> float:
+    """The nearest multiple, the angle itself with fewer digits if none is near."""
+    times = round(angle / unit)
+    near = abs(times * unit - angle) <= NEAR * unit
+    return times * unit if near else round(angle, places)
 
 
-def _values(program: Recursion, kind: type[Turn]) -> list[float]:
+def _angles(bodies: tuple[Body, ...]) -> list[float]:
+    """All turns, without their signs, ascending."""
     found: list[float] = []
-
-    def collect(body: Body) -> None:
+    for body in bodies:
         for command in body:
-            if isinstance(command, kind):
-                found.append(abs(command.angle))
-            elif isinstance(command, Branch):
-                collect(command.body)
-
-    for body in program.bodies:
-        collect(body)
-    return found
+            match command:
+                case Turn(angle):
+                    found.append(abs(angle))
+                case Branch(inner):
+                    found += _angles((inner,))
+                case _:
+                    pass
+    return sorted(found)
 
 
 def _usual(program: Recursion) -> float:
     """The most frequent angle."""
-    angles = _values(program, Turn)
+    angles = _angles(program.bodies)
     return max(sorted(set(angles)), key=angles.count) if angles else 0.0
 
 
@@ -133,7 +136,7 @@ def _common(angles: list[float]) -> float:
     for divisor in range(1, 7):
         base = smallest / divisor
         times = [round(angle / base) for angle in angles]
-        if all(abs(n * base - a) <= 0.02 * base for n, a in zip(times, angles, strict=True)):
+        if all(abs(n * base - a) <= NEAR * base for n, a in zip(times, angles, strict=True)):
             return sum(angles) / sum(times)
     return 0.0
 

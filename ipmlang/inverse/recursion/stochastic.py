@@ -84,14 +84,11 @@ def _program(tree: Tree, styles: list[int], growth: int, steps: int) -> Recursio
     shapes = _shapes(tree, start.inner, growth, steps)
     generations = _generations(tree, start.inner, shapes, growth, steps)
     kinds, last = _kinds(generations[-1], shapes, styles)
-    which: dict[int, int] = {}
-    for number, kind in enumerate(kinds):
-        which.setdefault(shapes.index(kind.shape), number)
-    if len(which) < len(shapes):
-        raise _UnreadError
-    choices = [which[min(found)] for found in chain.from_iterable(generations[:-1])]
-    chances = _percentages([last.count(number) for number in range(len(kinds))])
-    return _written(start.shape, steps, growth, kinds, chances, (*choices, *last), styles)
+    first = {kind.shape: number for number, kind in reversed(list(enumerate(kinds)))}
+    before = [first[shapes[min(found)]] for found in chain.from_iterable(generations[:-1])]
+    chances = _chances(generations, shapes, kinds, last)
+    choices = (*before, *last)
+    return _written(start.shape, steps, growth, kinds, chances, choices, styles)
 
 
 def _shapes(tree: Tree, inner: tuple[int, ...], growth: int, steps: int) -> list[Shape]:
@@ -186,24 +183,56 @@ def _match(
 def _kinds(
     generation: list[dict[int, _Read]], shapes: list[Shape], styles: list[int]
 ) -> tuple[list[_Kind], list[int]]:
-    """The alternatives that the last generation shows, by first appearance, and which of them each
-    of its symbols took.
+    """The alternatives, those that the last generation shows with their styles, and which of them
+    each of its symbols took; where several fit, one that is known, else the first.
     """
     seen: dict[_Kind, int] = {}
-    taken = []
-    for found in generation:
-        shape = min(found)
-        kind = _Kind(shapes[shape], tuple(styles[piece] for piece in found[shape].pieces))
-        taken.append(seen.setdefault(kind, len(seen)))
+    taken: dict[int, int] = {}
+    order = sorted(range(len(generation)), key=lambda index: (len(generation[index]) > 1, index))
+    for index in order:
+        fits = [
+            _Kind(shapes[shape], tuple(styles[piece] for piece in read.pieces))
+            for shape, read in sorted(generation[index].items())
+        ]
+        kind = next((each for each in fits if each in seen), fits[0])
+        taken[index] = seen.setdefault(kind, len(seen))
+    usual = Counter(styles).most_common(1)[0][0]
+    for shape in shapes:
+        if all(kind.shape != shape for kind in seen):
+            seen[_Kind(shape, (usual,) * _pieces(shape))] = len(seen)
     if len(seen) > MOST_ALTERNATIVES:
         raise _UnreadError
-    return list(seen), taken
+    return list(seen), [taken[index] for index in range(len(generation))]
 
 
-def _percentages(counts: list[int]) -> list[int]:
+def _pieces(shape: Shape) -> int:
+    """How many pieces a shape has."""
+    return sum(1 + _pieces(inner) for _, inner in shape if inner is not None)
+
+
+def _chances(
+    generations: list[list[dict[int, _Read]]],
+    shapes: list[Shape],
+    kinds: list[_Kind],
+    last: list[int],
+) -> list[int]:
+    """The percentages of the alternatives: how often each shape was taken in the generations that
+    leave no doubt, and how often each kind of a shape in the last one.
+    """
+    sure = [each for each in generations if all(len(found) == 1 for found in each)]
+    often = Counter(min(found) for found in chain.from_iterable(sure or generations))
+    within = Counter(kinds[number].shape for number in last)
+    counts = []
+    for number, kind in enumerate(kinds):
+        share = last.count(number) / within[kind.shape] if within[kind.shape] else 1.0
+        counts.append(often[shapes.index(kind.shape)] * share)
+    return percentages(counts)
+
+
+def percentages(counts: list[float]) -> list[int]:
     """Whole percentages that add up to 100, by largest remainder; at least 1 each.
 
-    >>> _percentages([1, 1, 1])
+    >>> percentages([1, 1, 1])
     [34, 33, 33]
     """
     total = sum(counts)

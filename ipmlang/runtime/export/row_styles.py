@@ -48,7 +48,7 @@ def row_sources(scene: Scene, rows: NDArray[np.intp]) -> list[tuple[str, ...]]:
 def _style(scene: Scene, columns: Sequence[int], base: Style, effects: Effects) -> Style:
     number, color, bits, group = columns
     pen = scene.styles[number]
-    width = float(np.array(bits, np.int32).view(np.float32))
+    width = float(str(np.array(bits, np.int32).view(np.float32)))  # the shortest such decimal
     style = penned(base, color, width, pen.css)
     outer = effects[group] if group >= 0 else ()
     return dataclasses.replace(style, effects=outer + style.effects) if outer else style

@@ -1,0 +1,157 @@
+"""Which lattices are worth a rule: those that take fewer digits than the placements they explain.
+
+Takes an arrangement; gives lattice rules and the rows that are left. Numbers are weighed by their
+digits, so that a row with small residuals is shorter than the same row of places, though both have
+as many numbers. Nothing here prints.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.inverse.lattice_rule import LatticeRule, lattice_rule
+from ipmlang.inverse.lsystem.frames import Floats, Frames, compose, inverse
+from ipmlang.inverse.lsystem.lattices import find_lattices
+from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers, joined
+
+NOISE = 0.015  # of the step: what members may be off and still belong
+ROUNDS = 4  # of looking again at what is left of one symbol
+RULE = 34.0  # tokens of a lattice's rule, usually
+DIGITS = 4.0  # of a number that weighs as much as another token
+TABLE = 8  # placements of one symbol in a row that stand in a table
+
+
+def with_lattices(
+    alphabet: Alphabet, string: Arrangement, scattered: bool, noise: float = NOISE
+) -> Arrangement:
+    """The string with a symbol in place of the members of each lattice that pays, where the first
+    of them is painted. scattered: members need not be painted one after the other.
+    """
+    chosen, left = choose_lattices(alphabet, string, scattered, noise)
+    made = [left]
+    for rule in chosen:
+        lead = rule.formula.lead
+        places = compose(inverse(lead), string.placed[rule.rows])
+        symbol = alphabet.add_lattice(rule, places)
+        start = np.array([int(rule.drawn.min())], np.int64)
+        made.append(
+            Arrangement(np.array([symbol], np.int64), lead, start, string.wrap[rule.rows[:1]])
+        )
+    every = joined(made)
+    return every[np.argsort(every.start, kind="stable")]
+
+
+def choose_lattices(
+    alphabet: Alphabet, string: Arrangement, scattered: bool, noise: float = NOISE
+) -> tuple[list[LatticeRule], Arrangement]:
+    """Lattices that pay, and the string without their members."""
+    left = np.ones(len(string), np.bool_)
+    chosen: list[LatticeRule] = []
+    plain = string.wrap == string.wrap[0] if len(string) else left
+    for symbol in np.unique(string.symbol).tolist():
+        for _ in range(ROUNDS):
+            rows = np.flatnonzero((string.symbol == symbol) & left & plain)
+            made = list(_of_symbol(alphabet, string, symbol, rows, noise, scattered))
+            if not made:
+                break
+            chosen += made
+            left[np.concatenate([each.rows for each in made])] = False
+    return chosen, string[left]
+
+
+def _of_symbol(
+    alphabet: Alphabet,
+    string: Arrangement,
+    symbol: int,
+    rows: Integers,
+    noise: float,
+    scattered: bool,
+) -> Iterator[LatticeRule]:
+    """Lattices of one symbol that share no member, best first; `rows` are rows of the string."""
+    if len(rows) < 4:
+        return
+    definition = alphabet[symbol]
+    tabled = _in_tables(string)
+    used = np.zeros(len(string), np.bool_)
+    found = find_lattices(
+        string.placed[rows],
+        definition.stabiliser,
+        definition.free,
+        definition.radius,
+        2 * alphabet.tolerance,
+        noise,
+        string.start[rows],
+    )
+    for lattice in found:
+        rule = lattice_rule(
+            symbol, lattice, string.start[rows], definition.radius, alphabet.tolerance
+        )
+        if rule is None:
+            continue
+        members = rows[rule.rows]
+        together = bool((np.diff(members) == 1).all())
+        if not (scattered or together):
+            continue
+        if not used[members].any() and _gain(rule, string, members, tabled, alphabet) > 0:
+            used[members] = True
+            yield rule.of(members)
+
+
+def _in_tables(string: Arrangement) -> NDArray[np.bool_]:
+    """(n,) rows in runs of one symbol that are long enough for a table."""
+    edges = np.flatnonzero(np.diff(string.symbol, prepend=-1, append=-1))
+    sizes = np.diff(edges)
+    return np.repeat(sizes >= TABLE, sizes)
+
+
+def _gain(
+    rule: LatticeRule,
+    string: Arrangement,
+    members: Integers,
+    tabled: NDArray[np.bool_],
+    alphabet: Alphabet,
+) -> float:
+    """Tokens saved, numbers weighed by their digits."""
+    placed, fine = string.placed[members], alphabet.tolerance
+    reach = max(alphabet[rule.part].radius, fine)
+    columns = _columns(placed, fine, reach)
+    before = sum(_digits(value, error).sum() for value, error, rest in columns if np.ptp(value) or rest)
+    before = before / DIGITS + 6.0 * np.count_nonzero(~tabled[members])
+    after = RULE + 2.0 * len(rule.holes)
+    inside = {"x": fine, "y": fine, "angle": np.rad2deg(fine / reach), "scale": fine / reach}
+    for name in rule.columns:
+        after += float(_digits(getattr(rule.residual, name), inside[name]).sum()) / DIGITS
+    after += 10.0 * bool(rule.columns)
+    return float(before - after - _layering(rule, string, members))
+
+
+def _columns(
+    placed: Frames, fine: float, reach: float
+) -> list[tuple[Floats, float, bool]]:
+    turn, factor = float(np.rad2deg(fine / reach)), fine / reach
+    return [
+        (placed.x, fine, True),
+        (placed.y, fine, True),
+        (placed.angle, turn, False),
+        (placed.scale, factor, False),
+    ]
+
+
+def _layering(rule: LatticeRule, string: Arrangement, members: Integers) -> float:
+    """What it takes to keep the paint order of a lattice whose members do not follow each other."""
+    ranks = rule.ranks[rule.ranks >= 0]
+    sorted_rows = np.sort(members)
+    breaks = int(np.count_nonzero(np.diff(sorted_rows) > 1))
+    rising = bool((np.diff(ranks) > 0).all())
+    if rising and not breaks:
+        return 0.0
+    even = rising and len(ranks) > 1 and len(np.unique(np.diff(ranks))) == 1
+    return 4.0 * breaks + (8.0 if even else len(ranks) * 0.75)
+
+
+def _digits(values: Floats, error: float) -> Floats:
+    """(n,) significant digits that tell a value from others so far apart."""
+    return np.asarray(np.maximum(0.5, np.log10(np.abs(values) / error + 1.0)))
