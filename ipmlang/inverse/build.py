@@ -26,7 +26,8 @@ from ipmlang.inverse.wording import Wording, plain_row, worded
 LABELS = ("x", "y", "angle", "scale")
 TABLE_ROWS = 8  # fewer placements of one symbol are written out
 VARIABLES = ("i", "j", "k")  # of sequences in sequences
-LIFTED = 6  # how many counts and steps become attributes
+LIFTED = 4  # of how many sequences the counts and steps become attributes,
+ATTRIBUTES = 6  # as long as there are no more than these
 
 
 @dataclass(frozen=True, slots=True)
@@ -426,15 +427,14 @@ class Builder:
             if len(counts) == 1 and counts[0] >= 4 and not self.book.loops[family].pattern.steps
         ]
         weight = {family: int(self._drawn(family)) * used[family] for family in plain}
-        for family in sorted(plain, key=lambda f: (-weight[f], f)):
-            if len(self.attributes) < LIFTED:
-                said = worded(self.book, self.names, self._nested, family)
-                self._counts[family] = self.given.give(said.count)
-                least = ast.Range(ast.Number(1.0), None)
-                count = ast.Number(float(sizes[family][0]))
-                name = self._counts[family]
-                self.attributes.append(ast.Attr(name, "int", count, least, said.counted))
-            if len(self.attributes) < LIFTED:
+        for family in sorted(plain, key=lambda f: (-weight[f], f))[:LIFTED]:
+            said = worded(self.book, self.names, self._nested, family)
+            if len(self.attributes) < ATTRIBUTES:
+                name = self._counts[family] = self.given.give(said.count)
+                count, least = ast.Number(float(sizes[family][0])), ast.Number(1.0)
+                attribute = ast.Attr(name, "int", count, ast.Range(least, None), said.counted)
+                self.attributes.append(attribute)
+            if len(self.attributes) < ATTRIBUTES:
                 self._lift_step(family, said)
 
     def _lift_step(self, family: int, said: Wording) -> None:

@@ -40,7 +40,7 @@ def seen(drawing: Drawing, options: Options) -> tuple[Observation, Tolerances]:
     if options.within is not None:
         given = relaxed(options.within)
     elif options.symmetrize:
-        given = relaxed(noise(observe(drawing)))
+        given = relaxed(noise(observe(drawing, similarity=options.similarity)))
     observed = observe(drawing, given.shapes, options.similarity)
     if options.similarity < 1:
         off = MEASURED * float(observed.error.max(initial=0.0)) / observed.diagonal

@@ -8,7 +8,7 @@ carries on from step to step is refined until its last member is right too.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -42,6 +42,13 @@ class Sequence:
         return len(self.placed)
 
     @property
+    def contents(self) -> tuple[bytes | float, ...]:
+        """Equal for sequences that have equal members."""
+        placed = self.placed
+        columns = (placed.x, placed.y, placed.angle, placed.scale, placed.handedness)
+        return (*(column.tobytes() for column in columns), self.reach, self.free, self.slack)
+
+    @property
     def hand(self) -> int:
         """The handedness of the first member."""
         return int(self.placed.handedness[0])
@@ -54,6 +61,22 @@ class Sequence:
 
 
 Fitted = tuple[Pattern, Frames]
+
+
+@dataclass(slots=True, eq=False)
+class Fits:
+    """Remembers what was fitted: most runs of one round of a search are there in the next one."""
+
+    known: dict[tuple[object, ...], Fitted | None] = field(default_factory=dict)
+
+    def __call__(
+        self, fit: Callable[..., Fitted | None], given: Sequence, *how: int | float | None
+    ) -> Fitted | None:
+        """fit(given, *how)."""
+        key = (fit.__name__, how, *given.contents)
+        if key not in self.known:
+            self.known[key] = fit(given, *how)
+        return self.known[key]
 
 
 def fit_even(given: Sequence, degree: int) -> Fitted | None:

@@ -18,6 +18,8 @@ Complexes: TypeAlias = NDArray[np.complex128]
 Rows: TypeAlias = NDArray[np.integer] | NDArray[np.bool_]
 Index: TypeAlias = int | slice | Rows | tuple[int | slice | Rows | None, ...]
 
+QUARTERS = np.array([1, 1j, -1, -1j])  # the powers of i
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Frames:
@@ -73,9 +75,10 @@ def frames(
     3
     """
     at = np.asarray(position, np.complex128)
-    full = [np.array(np.broadcast_to(value, at.shape), np.float64) for value in (angle, scale)]
-    hand = np.array(np.broadcast_to(handedness, at.shape), np.int8)
-    return Frames(at.real.copy(), at.imag.copy(), wrap(full[0]), full[1], hand)
+    turn, size = np.empty(at.shape), np.empty(at.shape)
+    hand = np.empty(at.shape, np.int8)
+    turn[...], size[...], hand[...] = angle, scale, handedness
+    return Frames(at.real.copy(), at.imag.copy(), wrap(turn), size, hand)
 
 
 def identity(count: int) -> Frames:
@@ -154,9 +157,9 @@ def unit(angle: Floats) -> Complexes:
     >>> complex(unit(np.array(-270.0)))
     1j
     """
-    quarter = np.round(np.asarray(angle, np.float64) / 90.0)
+    quarter = np.rint(np.asarray(angle, np.float64) / 90.0)
     rest = np.deg2rad(angle - 90.0 * quarter)
-    powers = np.array([1, 1j, -1, -1j])[quarter.astype(np.int64) % 4]
+    powers = QUARTERS[quarter.astype(np.int64) % 4]
     return powers * (np.cos(rest) + 1j * np.sin(rest))
 
 

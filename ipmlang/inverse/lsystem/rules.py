@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ipmlang.inverse.lsystem.candidates import Candidate
 from ipmlang.inverse.lsystem.clusters import cluster, members
 from ipmlang.inverse.lsystem.edits import Edit, apart
+from ipmlang.inverse.lsystem.fits import Fits
 from ipmlang.inverse.lsystem.frames import (
     Frames,
     compose,
@@ -71,6 +72,7 @@ class Search:
     measure: Measure | None = None
     journal: Journal = field(default_factory=Journal)
     trees: TreeSearch = field(default_factory=TreeSearch)
+    fits: Fits = field(default_factory=Fits)
 
     def run(self) -> Arrangement:
         """Replace until nothing pays; the string that is left becomes the axiom."""
@@ -282,7 +284,7 @@ class Search:
     # -------------------------------------------------------------- sequences
 
     def _sequences(self) -> list[Candidate]:
-        runs = find_runs(self.alphabet, self.string)
+        runs = find_runs(self.alphabet, self.string, self.fits)
         if not runs:
             return []
         labels = self._run_clusters(runs)

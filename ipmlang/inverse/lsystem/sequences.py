@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.inverse.lsystem.fits import (
+    Fits,
     Sequence,
     fit_even,
     fit_polar,
@@ -49,7 +50,7 @@ class Run:
 @dataclass(frozen=True, slots=True, eq=False)
 class Field:
     """What the fits look at, a row for each symbol: regular frames; stretch: equal for neighbours
-    of one symbol; reach: extents; free: without a heading; slack: units.
+    of one symbol; reach: extents; free: without a heading; slack: units; fits: what was fitted.
     """
 
     regular: Frames
@@ -57,6 +58,7 @@ class Field:
     reach: Floats
     free: Booleans
     slack: float
+    fits: Fits
 
     def together(self, count: int) -> Booleans:
         """(n - count + 1,) whether so many rows from each on are of one stretch and handedness."""
@@ -75,8 +77,10 @@ class Field:
         )
 
 
-def find_runs(alphabet: Alphabet, arrangement: Arrangement) -> list[Run]:
-    """All longest runs of three members or more, rows before rings before spirals."""
+def find_runs(alphabet: Alphabet, arrangement: Arrangement, fits: Fits | None = None) -> list[Run]:
+    """All longest runs of three members or more, rows before rings before spirals; fits: what was
+    fitted in earlier rounds, which this one adds to.
+    """
     if len(arrangement) < 3:
         return []
     stretch = stretches(arrangement)
@@ -86,6 +90,7 @@ def find_runs(alphabet: Alphabet, arrangement: Arrangement) -> list[Run]:
         np.array([each.radius for each in alphabet.definitions])[arrangement.symbol],
         np.array([each.free for each in alphabet.definitions])[arrangement.symbol],
         3 * alphabet.tolerance,
+        Fits() if fits is None else fits,
     )
     runs = list(_even_runs(field))
     runs += _listed_runs(field, alphabet.tolerance)
@@ -147,7 +152,9 @@ def _even_runs(field: Field) -> Iterator[Run]:
             fits &= np.abs(np.diff(value, degree + 1)) * weight[: len(fits)] <= room
         for first, count in _blocks(fits, degree + 1):
             if count >= least:
-                yield from _run(first, count, fit_even(field.sequence(first, count), degree))
+                yield from _run(
+                    first, count, field.fits(fit_even, field.sequence(first, count), degree)
+                )
 
 
 def _listed_runs(field: Field, slack: float) -> Iterator[Run]:
@@ -211,10 +218,12 @@ def _turtle_runs(field: Field) -> Iterator[Run]:
         constant &= np.abs(first) * weight[1:] <= field.slack
         linear &= np.abs(np.diff(first)) * weight[1:-1] <= 2 * field.slack
     for start, count in _blocks(constant, 2):
-        yield from _run(start, count, fit_turtle(field.sequence(start, count)))
+        yield from _run(start, count, field.fits(fit_turtle, field.sequence(start, count)))
     for start, count in _blocks(linear, 3):
         if count >= LEAST_CURVED and not constant[start : start + count - 2].all():
-            yield from _run(start, count, fit_turtle_linear(field.sequence(start, count)))
+            yield from _run(
+                start, count, field.fits(fit_turtle_linear, field.sequence(start, count))
+            )
 
 
 # ------------------------------------------------------------------------- polar
@@ -239,7 +248,7 @@ def _polar_runs(field: Field) -> Iterator[Run]:
         once = inside[1:] - omega * inside[:-1]
         ring = np.abs(np.diff(once)) <= 2 * field.slack
         for first, size in _blocks(ring, 2):
-            found = fit_polar(field.sequence(start + first, size), growing=False)
+            found = field.fits(fit_polar, field.sequence(start + first, size), False)
             yield from _run(start + first, size, found)
         if count < LEAST_CURVED:
             continue
@@ -247,11 +256,11 @@ def _polar_runs(field: Field) -> Iterator[Run]:
         for first, size in _blocks(grows, 3):
             if size >= LEAST_CURVED and not ring[first : first + size - 2].all():
                 members = field.sequence(start + first, size)
-                found = fit_polar(members, growing=True)
+                found = field.fits(fit_polar, members, True)
                 if found is not None and worst(members, found) <= field.slack:
                     yield Run(start + first, size, *found)
         if count >= LEAST_ROOTED and not grows.all() and not ring.any():
-            yield from _run(start, count, fit_rooted(field.sequence(start, count)))
+            yield from _run(start, count, field.fits(fit_rooted, field.sequence(start, count)))
 
 
 def _round_runs(field: Field) -> Iterator[Run]:
@@ -271,5 +280,5 @@ def _round_runs(field: Field) -> Iterator[Run]:
     bent &= np.deg2rad(np.abs(wrap(np.diff(turn)))) * length[2:] <= 2 * field.slack
     for start, count in _blocks(bent, 3):
         around = float(turn[start] + np.mean(wrap(turn[start : start + count - 2] - turn[start])))
-        found = fit_polar(field.sequence(start, count), growing=False, turn=around)
+        found = field.fits(fit_polar, field.sequence(start, count), False, around)
         yield from _run(start, count, found)

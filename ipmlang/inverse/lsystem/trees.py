@@ -57,8 +57,11 @@ class TreeSearch:
 
 def _tree(alphabet: Alphabet, arrangement: Arrangement, first: int, count: int) -> Tree | None:
     definition = alphabet[int(arrangement.symbol[first])]
+    placed = arrangement.placed[first : first + count]
+    if not definition.free and _stand_alike(placed):
+        return None
     found = find_branching(
-        arrangement.placed[first : first + count],
+        placed,
         definition.stabiliser,
         free=definition.free,
         radius=definition.radius,
@@ -68,3 +71,9 @@ def _tree(alphabet: Alphabet, arrangement: Arrangement, first: int, count: int) 
     if found is None or (np.diff(found.order) != 1).any():
         return None
     return Tree(first + int(found.order[0]), len(found.order), found, found.root)
+
+
+def _stand_alike(placed: Frames) -> bool:
+    """Whether all are only moved: branches that neither turn nor shrink run into one another."""
+    alike = np.abs(placed.factor - placed.factor[0]) <= 1e-9 * placed.scale[0]
+    return bool((alike & (placed.handedness == placed.handedness[0])).all())
