@@ -100,9 +100,9 @@ def infer(
     say = progress or (lambda _: None)
     say(f"reading {path.name}")
     drawing = _read(path)
-    from ipmlang.inverse.attempt import best_grammar
+    from ipmlang.inverse.regular import grammar_of
 
-    made = best_grammar(drawing, _stem(path), flat, say, options)
+    made = grammar_of(drawing, _stem(path), flat, say, options)
     text = format_grammar(made.grammar)
     report = replace(
         made.report,

@@ -38,7 +38,7 @@ from ipmlang.inverse.report import Report, RuleError
 from ipmlang.inverse.simplify import AXIOM, Book, drop_poor_rules, make_book, recentre
 from ipmlang.inverse.tapers import complete_tapers
 from ipmlang.inverse.terminals import Instanced, grouped, instances
-from ipmlang.inverse.tolerances import Tolerances, seen
+from ipmlang.inverse.tolerances import Tolerances, relaxed, seen
 from ipmlang.inverse.upright import make_upright, settle_terminals
 
 LEAST_REGULAR = 0.3  # of the flat tokens: what is shorter needs no other look
@@ -107,14 +107,14 @@ def best_grammar(
     say("looking for equal shapes")
     observed, given = seen(drawing, options)
     goal = Goal(drawing, observed, stem, options, given)
-    ways = instances(observed)
-    for way in ways:
-        way.alphabet.tolerance = given.search * observed.diagonal
+    ways = _ways(goal)
     alone = grouped(observed, ways[0], shared=False)
     plain = Subject(observed, alone, stem, given.rounding, use_tables=False)
     flat_book = make_book(alone.alphabet, alone.string)
     flat_file = write_grammar(flat_book, plain)
     flat_tokens = flat_file.tokens
+    if options.similarity < 1:
+        goal = _ideal(goal, flat_file)
     attempts: list[Attempt] = []
     found: Found | None = None
     if not flat:
@@ -129,7 +129,7 @@ def best_grammar(
         irregular = found.written.tokens > LEAST_REGULAR * flat_tokens or len(observed) <= FEW
         if irregular and len(observed) <= MOST_SCATTERED and not attempts:
             say("looking for lattices")
-            again = [_searched(goal, way, say, trees, True) for way in instances(observed)]
+            again = [_searched(goal, way, say, trees, True) for way in _ways(goal)]
             again = [each for each in again if each.book.lattices]
             found = min([*again, found], key=lambda each: each.written.weight)
         attempts += _written_out(found, len(observed))
@@ -142,6 +142,22 @@ def best_grammar(
     attempts.append(Attempt("flat", lambda: write_grammar(flat_book, finest), none, flat_tokens))
     say("deriving what was found")
     return _first_right(goal, attempts, found, flat_tokens)
+
+
+def _ways(goal: Goal) -> list[Instanced]:
+    """Every way to see the drawing as terminals, with the tolerance of the search."""
+    ways = instances(goal.observed)
+    for way in ways:
+        way.alphabet.tolerance = goal.given.search * goal.observed.diagonal
+    return ways
+
+
+def _ideal(goal: Goal, flat: Written) -> Goal:
+    """With as much room for the proof as similar shapes need, each left in its place."""
+    text, given = format_grammar(flat.grammar), goal.given
+    alone = prove(goal.drawing, text, flat.parts(), goal.stem, 2 * given.proof)
+    proof = max(given.proof, alone.max_error * (1 + 1e-6) + relaxed(goal.options.within or 0).proof)
+    return replace(goal, given=replace(given, proof=proof))
 
 
 def _written_out(found: Found, elements: int) -> list[Attempt]:
@@ -170,15 +186,19 @@ def _searched(
     instanced = grouped(goal.observed, way, shared=True)
     bodies = dict(instanced.bodies)
     given, scattered = instanced.string, not instanced.effects
+    regular = given
     if first:
-        given = with_lattices(instanced.alphabet, given, scattered)
+        regular = with_lattices(instanced.alphabet, given, scattered)
     search = Search(
         instanced.alphabet, instanced.seen, given, say, bodies, goal.options, trees=trees
     )
     search.measure = _measure(instanced, goal)
+    search.note_lattices(regular)
+    search.string = regular
     string = search.run()
     if len(string) <= MOST_SCATTERED and not goal.options.paper:
-        string = with_lattices(instanced.alphabet, string, scattered)
+        search.string, string = string, with_lattices(instanced.alphabet, string, scattered)
+        search.note_lattices(string)
     book = _simplified(instanced, string, goal.options)
     instanced = replace(instanced, string=string)
     subject = Subject(goal.observed, instanced, goal.stem, goal.given.rounding)

@@ -12,7 +12,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ipmlang.compiler import ast
-from ipmlang.inverse.lattice_print import printed
+from ipmlang.inverse.lattice_print import PLAIN, Handles, printed, whole
+from ipmlang.inverse.lattice_rule import Formula
 from ipmlang.inverse.lsystem.frames import Frames
 from ipmlang.inverse.moves import call, even_place, polar_place, turns, turtle_step
 from ipmlang.inverse.naming import Names
@@ -21,12 +22,13 @@ from ipmlang.inverse.reach import Reach
 from ipmlang.inverse.recursion import branching_rules
 from ipmlang.inverse.simplify import AXIOM, Body, Book, Loop
 from ipmlang.inverse.tapers import Taper, taper_at
-from ipmlang.inverse.wording import Wording, plain_row, worded
+from ipmlang.inverse.wording import Wording, plain_row, worded, worded_lattice
 
 LABELS = ("x", "y", "angle", "scale")
 TABLE_ROWS = 8  # fewer placements of one symbol are written out
 VARIABLES = ("i", "j", "k")  # of sequences in sequences
 LIFTED = 4  # of how many sequences the counts and steps become attributes,
+LEAST_LIFTED = 4  # copies that are worth an attribute
 ATTRIBUTES = 6  # as long as there are no more than these
 
 
@@ -58,14 +60,12 @@ class Builder:
     tables: list[ast.Table] = field(default_factory=list)
     _inlined: set[int] = field(default_factory=set)
     _nested: set[int] = field(default_factory=set)
-    _scattered: set[int] = field(default_factory=set)
     _counts: dict[int, str] = field(default_factory=dict)
     _steps: dict[int, str] = field(default_factory=dict)
 
     def rules(self) -> list[ast.Rule]:
         """All rules, from the axiom downwards."""
         self._inlined = self.book.inlined()
-        self._scattered = set(self.book.scattered())
         self._nested = self.nested()
         self._lift()
         body = tuple(self._body(AXIOM)) or (ast.Module("nil"),)
@@ -89,31 +89,7 @@ class Builder:
             yield ast.Bracket(self._wrapped(rule))
             return
         body = self.book.bodies[rule]
-        if rule == AXIOM and self._scattered:
-            yield from self._layered(body)
-        else:
-            yield from self._run(rule, body.parts.tolist(), body.places)
-
-    def _layered(self, body: Body) -> Iterator[ast.Element]:
-        """The axiom where some lattices are painted among other things: they come first, with a
-        layer for each member, and all else is raised to where it was.
-        """
-        lattices = self.book.lattices
-        scattered = np.array([part in self._scattered for part in body.parts.tolist()], np.bool_)
-        for row in np.flatnonzero(scattered).tolist():
-            yield from self.placed(AXIOM, int(body.parts[row]), body.places[row : row + 1], False)
-        marks = np.sort(np.concatenate([lattices[part].drawn for part in self._scattered]))
-        rows = np.flatnonzero(~scattered)
-        before = np.searchsorted(marks, self.book.ranks[rows])
-        level = 0
-        for chunk in np.split(rows, np.flatnonzero(np.diff(before)) + 1):
-            if not len(chunk):
-                continue
-            rank = int(self.book.ranks[chunk[0]])
-            if np.searchsorted(marks, rank) and rank != level:
-                yield call("layer", number(float(rank - level)))
-                level = rank
-            yield from self._run(AXIOM, body.parts[chunk].tolist(), body.places[chunk])
+        yield from self._run(rule, body.parts.tolist(), body.places)
 
     def _wrapped(self, rule: int) -> tuple[ast.Element, ...]:
         """`effect("x.parts.svg#clip") A B`, for a bracket."""
@@ -293,8 +269,9 @@ class Builder:
             node = ast.Bracket((node,))
         scale = float(rule.formula.frames().scale.max())
         errors = self._errors(symbol, rule.part, scale)
+        handles = self._handles(symbol, rule.formula) if whole(rule) else PLAIN
         name = self.given.give("Rest")
-        loop, table = printed(rule, (node,), errors, symbol in self._scattered, name)
+        loop, table = printed(rule, (node,), errors, name, handles)
         if table is not None:
             self.tables.append(table)
         return ast.Rule(ast.Head(self.names[symbol]), (loop,))
@@ -417,6 +394,34 @@ class Builder:
 
     # ---------------------------------------------------------------- attributes
 
+    def _handles(self, symbol: int, formula: Formula) -> Handles:
+        """Attributes for the counts and steps of a lattice, as many as there is room for."""
+        part = self.names[self.book.lattices[symbol].part]
+        kind = "ring" if formula.polar is not None else formula.line
+        said = worded_lattice(self.names[symbol], part, kind, bool(formula.across))
+        made: list[ast.Expr | None] = []
+        counts = (formula.length, formula.count // formula.length)
+        for wording, count in zip(said, counts, strict=True):
+            made.append(self._counted(wording, count) if count >= LEAST_LIFTED else None)
+        for wording, step in zip(said, formula.steps, strict=True):
+            made.append(self._stepped(wording, step) if step else None)
+        return Handles(*made)
+
+    def _counted(self, said: Wording, count: int) -> ast.Expr | None:
+        if len(self.attributes) >= ATTRIBUTES:
+            return None
+        name = self.given.give(said.count)
+        span = ast.Range(ast.Number(1.0), None)
+        self.attributes.append(ast.Attr(name, "int", ast.Number(float(count)), span, said.counted))
+        return ast.Name(name)
+
+    def _stepped(self, said: Wording, step: float) -> ast.Expr | None:
+        if len(self.attributes) >= ATTRIBUTES:
+            return None
+        name = self.given.give(said.step)
+        self.attributes.append(ast.Attr(name, "float", number(step), None, said.stepped))
+        return ast.Name(name)
+
     def _lift(self) -> None:
         """Counts and steps of the sequences that draw most become attributes."""
         used = self.book.uses()
@@ -424,7 +429,9 @@ class Builder:
         plain = [
             family
             for family, counts in sizes.items()
-            if len(counts) == 1 and counts[0] >= 4 and not self.book.loops[family].pattern.steps
+            if len(counts) == 1
+            and counts[0] >= LEAST_LIFTED
+            and not self.book.loops[family].pattern.steps
         ]
         weight = {family: int(self._drawn(family)) * used[family] for family in plain}
         for family in sorted(plain, key=lambda f: (-weight[f], f))[:LIFTED]:

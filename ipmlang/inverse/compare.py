@@ -84,6 +84,7 @@ class _Sides:
         self.curves = _curves(a), _curves(b)
         self.unit = diagonal_of(a.box, self.curves[0])
         self.near = max(STRAY, 2 * limit)
+        self.apart = 2 * limit * self.unit if limit > LIMIT else 0.0
         # What paint and effects may be off grows with what curves may.
         self.room = self.unit * max(1.0, limit / LIMIT)
         self._alike: dict[tuple[int, int], bool] = {}
@@ -92,7 +93,7 @@ class _Sides:
         """Errors and styles of given pairs."""
         fixed = np.array([bool(self.a.elements[row].style.dashes) for row in left], np.bool_)
         curves = _taken(self.curves[0], left), _taken(self.curves[1], right)
-        error = pair_distances(*curves, fixed, self.unit)
+        error = pair_distances(*curves, fixed, self.unit, self.apart)
         stroked = np.array([self.a.elements[row].style.stroke != "none" for row in left], np.bool_)
         painted = ~stroked | _same_ends(*curves, self.unit)
         for index, (one, other) in enumerate(zip(left.tolist(), right.tolist(), strict=True)):

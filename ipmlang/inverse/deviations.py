@@ -31,6 +31,8 @@ def rule_errors(
         if name is None or alphabet[symbol].terminal:
             continue
         worst = float(misses(alphabet, seen, symbol, placed, start).max()) / diagonal
+        if not np.isfinite(worst):  # members that are painted among others
+            continue
         known = found.get(name, RuleError(name, 0.0, 0))
         drawn = known.elements + alphabet[symbol].drawn * len(start)
         found[name] = RuleError(name, max(worst, known.error), drawn)

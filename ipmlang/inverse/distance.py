@@ -23,12 +23,14 @@ ALONG = 32  # points of a segment whose distance from the other curve is measure
 REFINED_AT_MOST = 500  # pairs that correspond but differ, for which a lower distance is sought
 
 
-def pair_distances(a: Curves, b: Curves, fixed: Booleans, unit: float) -> Floats:
+def pair_distances(
+    a: Curves, b: Curves, fixed: Booleans, unit: float, near: float = 0.0
+) -> Floats:
     """(n,) largest distance between element i of a and element i of b.
 
     fixed: (n,) start and direction are visible, so they must agree; unit: the drawing's diagonal;
-    distances below 1e-9 of it are not worked on further. Infinite where only one of a pair is
-    empty.
+    distances below 1e-9 of it are not worked on further; near: units by which pairs may lie apart
+    and still be looked at closely. Infinite where only one of a pair is empty.
     """
     count = len(a.counts)
     result = np.full(count, np.inf)
@@ -41,7 +43,7 @@ def pair_distances(a: Curves, b: Curves, fixed: Booleans, unit: float) -> Floats
     _improve_ellipses(result, a, b, fixed, unit)
     rows = np.flatnonzero(alike & (result > fine) & ~fixed & (a.subpaths == 1) & (b.subpaths == 1))
     _improve_restarted(result, a, b, rows)
-    _improve_dense(result, a, b, fixed, alike, unit)
+    _improve_dense(result, a, b, fixed, alike, unit, near)
     return result
 
 
@@ -108,12 +110,18 @@ def _sampled(curves: Curves, rows: Integers, length: int, closed: bool) -> Compl
 
 
 def _improve_dense(
-    result: Floats, a: Curves, b: Curves, fixed: Booleans, alike: Booleans, unit: float
+    result: Floats,
+    a: Curves,
+    b: Curves,
+    fixed: Booleans,
+    alike: Booleans,
+    unit: float,
+    near: float,
 ) -> None:
     """Curves whose segments do not correspond, and some of those that do but lie apart."""
     drawn = (a.counts > 0) & (b.counts > 0)
     rows = np.flatnonzero(drawn & (result > 5e-7 * unit))
-    rows = rows[_overlapping(a, b, rows)]
+    rows = rows[_overlapping(a, b, rows, near)]
     apart, strange = rows[alike[rows]], rows[~alike[rows]]
     for row in np.concatenate([strange, apart[:REFINED_AT_MOST]]).tolist():
         left, right = _segments(a, row), _segments(b, row)
@@ -123,11 +131,11 @@ def _improve_dense(
         result[row] = min(result[row], off)
 
 
-def _overlapping(a: Curves, b: Curves, rows: Integers) -> Booleans:
+def _overlapping(a: Curves, b: Curves, rows: Integers, near: float) -> Booleans:
     """Whether pairs lie about where each other is, so that it is worth looking at them closely."""
     boxes = [bounding_boxes(each, rows) for each in (a, b)]
     size = np.maximum(*(np.abs(box[:, 2:] - box[:, :2]).max(axis=1) for box in boxes))
-    return np.asarray(np.abs(boxes[0] - boxes[1]).max(axis=1) <= 0.25 * size)
+    return np.asarray(np.abs(boxes[0] - boxes[1]).max(axis=1) <= 0.25 * size + near)
 
 
 def bounding_boxes(curves: Curves, rows: Integers) -> Floats:

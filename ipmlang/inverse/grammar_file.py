@@ -61,10 +61,15 @@ class Written:
 
     @property
     def weight(self) -> float:
-        """Tokens, but a number weighs by its digits: what decides between ways to say the same."""
-        numbers = _NUMBER.findall(_STRING.sub("", self.text))
+        """Tokens, but a number weighs by its digits: what decides between ways to say the same.
+
+        Attributes do not count: that a number can be changed by its name is no fault of a rule.
+        """
+        said = tuple(each for each in self.grammar.items if not isinstance(each, ast.Attr))
+        text = format_grammar(replace(self.grammar, items=said))
+        numbers = _NUMBER.findall(_STRING.sub("", text))
         extra = sum(digits_weight(each) - 1 for each in numbers)
-        return count_text_tokens(self.text) + extra + self.table_weight
+        return count_text_tokens(text) + extra + self.table_weight
 
     @property
     def text(self) -> str:
@@ -105,12 +110,14 @@ def write_grammar(book: Book, subject: Subject) -> Written:
     reach = measure(book, radius, subject.share * subject.observed.diagonal)
     builder = Builder(book, reach, named, effects, names, axiom, painted, subject.use_tables)
     rules = builder.rules()
-    tables, stored, cells = stored_tables(builder.tables, subject)
+    order = _order_table(book, names)
+    tables, stored, cells = stored_tables([*builder.tables, *order], subject)
     items: list[ast.Item] = [ast.Version(1), *canvas(subject.observed)]
     assets = [number for number in named if number < len(terminals)]
     if assets:
         items.append(ast.Asset(tuple(named[k] for k in assets), parts_file(subject), True))
     items += tables
+    items += [ast.Residual(each.name) for each in order]
     items += builder.attributes
     rules, begin = _started(rules)
     items += [spaced(rule, first=k == 0) for k, rule in enumerate(rules)]
@@ -121,6 +128,15 @@ def write_grammar(book: Book, subject: Subject) -> Written:
         return write_parts(shown, effects=shown_effects, tables=stored)
 
     return Written(ast.Grammar(tuple(items)), parts, *cells)
+
+
+def _order_table(book: Book, names: Names) -> list[ast.Table]:
+    """The layer of each element where rules draw them in another order than they are painted."""
+    order = book.paint_order()
+    if order is None:
+        return []
+    rows = tuple((ast.Number(float(rank)),) for rank in order.tolist())
+    return [ast.Table(names.give("Order"), None, ("layer",), rows)]
 
 
 def _started(rules: list[ast.Rule]) -> tuple[list[ast.Rule], tuple[ast.Element, ...]]:

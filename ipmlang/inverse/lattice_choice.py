@@ -125,7 +125,7 @@ def _gain(
     for name in rule.columns:
         after += float(_digits(getattr(rule.residual, name), inside[name]).sum()) / DIGITS
     after += 10.0 * bool(rule.columns)
-    return float(before - after - _layering(rule, string, members))
+    return float(before - after - _layering(members))
 
 
 def _columns(
@@ -140,16 +140,12 @@ def _columns(
     ]
 
 
-def _layering(rule: LatticeRule, string: Arrangement, members: Integers) -> float:
-    """What it takes to keep the paint order of a lattice whose members do not follow each other."""
-    ranks = rule.ranks[rule.ranks >= 0]
-    sorted_rows = np.sort(members)
-    breaks = int(np.count_nonzero(np.diff(sorted_rows) > 1))
-    rising = bool((np.diff(ranks) > 0).all())
-    if rising and not breaks:
-        return 0.0
-    even = rising and len(ranks) > 1 and len(np.unique(np.diff(ranks))) == 1
-    return 4.0 * breaks + (8.0 if even else len(ranks) * 0.75)
+def _layering(members: Integers) -> float:
+    """What it takes to keep the paint order of members that do not follow each other: a cell of a
+    table for each, and about as much for what is painted among them.
+    """
+    together = bool((np.diff(members) == 1).all())
+    return 0.0 if together else 1.2 * len(members)
 
 
 def _digits(values: Floats, error: float) -> Floats:

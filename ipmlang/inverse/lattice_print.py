@@ -7,8 +7,7 @@ what has holes or rows of a table is one loop over all nodes. Nothing here decid
 from __future__ import annotations
 
 from collections.abc import Sequence
-
-import numpy as np
+from dataclasses import dataclass
 
 from ipmlang.compiler import ast
 from ipmlang.inverse.lattice_rule import COLUMNS, Formula, LatticeRule
@@ -16,46 +15,69 @@ from ipmlang.inverse.lsystem.frames import Floats, Frames
 from ipmlang.inverse.moves import call, turns
 from ipmlang.inverse.numbers import number, shortest
 
-LAYER = "layer"
 ROW = "r"
 Errors = tuple[float, float, float]
 
 
+@dataclass(frozen=True, slots=True)
+class Handles:
+    """What stands in place of numbers: the members of a line, the lines, and the steps from one
+    member and from one line to the next; None where the number itself does.
+    """
+
+    members: ast.Expr | None = None
+    lines: ast.Expr | None = None
+    step: ast.Expr | None = None
+    line_step: ast.Expr | None = None
+
+
+PLAIN = Handles()
+
+
+def closed(formula: Formula) -> bool:
+    """Whether a ring's members are one full turn."""
+    whole = abs(abs(float(formula.turned_by)) * formula.length - 360) <= 1e-9
+    return formula.polar is not None and not formula.nested and whole
+
+
+def whole(rule: LatticeRule) -> bool:
+    """Whether every node has a member, and no table says more about one."""
+    return not rule.columns and not rule.holes
+
+
 def printed(
-    rule: LatticeRule, copy: tuple[ast.Element, ...], errors: Errors, layered: bool, table: str
+    rule: LatticeRule,
+    copy: tuple[ast.Element, ...],
+    errors: Errors,
+    table: str,
+    handles: Handles = PLAIN,
 ) -> tuple[ast.Repeat, ast.Table | None]:
     """The loop, and the table that it reads, named `table`.
 
-    copy: what stands at a node; errors: of places, angles (degrees) and factors; layered: the
-    members' paint order has to be said.
+    copy: what stands at a node; errors: of places, angles (degrees) and factors; handles: for a
+    lattice that is `whole`.
     """
     formula = rule.formula
     columns, cells = _cells(rule, errors)
-    layer: tuple[ast.Element, ...] = ()
-    if layered:
-        ranks = rule.ranks
-        slope = int(ranks[1] - ranks[0]) if len(ranks) > 1 else 1
-        even = not rule.holes and bool((np.diff(ranks) == slope).all())
-        if even and not formula.across:
-            layer = (call("layer", _sum([(float(ranks[0]), None), (float(slope), ast.Name("i"))])),)
-        else:
-            columns.append(LAYER)
-            cells.append([ast.Number(float(max(0, rank))) for rank in ranks.tolist()])
-            layer = (call("layer", ast.Name(f"{ROW}.{LAYER}")),)
     nested = bool(formula.across) and not columns and not rule.holes
     i, j = _indices(formula, nested)
     inside = _inside(rule, columns)
-    body = (*layer, *_predicted(formula, i, j), *_constant(formula.inside, errors), *inside, *copy)
+    body = (
+        *_predicted(formula, i, j, handles),
+        *_constant(formula.inside, errors),
+        *inside,
+        *copy,
+    )
     bracket: tuple[ast.Element, ...] = (ast.Bracket(body),)
     if nested:
         lines = formula.count // formula.across
-        row = ast.Repeat(ast.Count("i", _count(formula.across)), bracket)
-        return ast.Repeat(ast.Count("j", _count(lines)), (row,)), None
+        row = ast.Repeat(ast.Count("i", handles.members or _count(formula.across)), bracket)
+        return ast.Repeat(ast.Count("j", handles.lines or _count(lines)), (row,)), None
     holes = tuple(_count(each) for each in rule.holes)
     variable = "k" if formula.across else "i"
     if not columns:
-        loop = ast.Repeat(ast.Count(variable, _count(formula.count)), bracket, holes=holes)
-        return loop, None
+        members = handles.members or _count(formula.count)
+        return ast.Repeat(ast.Count(variable, members), bracket, holes=holes), None
     rows = tuple(zip(*cells, strict=True))
     loop = ast.Repeat(
         ast.Count(variable, _count(formula.count)),
@@ -84,10 +106,15 @@ def _function(name: str, *args: ast.Expr) -> ast.Call:
     return ast.Call(name, tuple(ast.Argument(each) for each in args))
 
 
-def _sum(terms: Sequence[tuple[float, ast.Expr | None]]) -> ast.Expr:
+def _sum(terms: Sequence[tuple[float | ast.Expr, ast.Expr | None]]) -> ast.Expr:
     """`a + b * i - c * j`, terms that are nothing left out."""
     made: ast.Expr | None = None
     for value, factor in terms:
+        if not isinstance(value, float | int):
+            assert factor is not None
+            term: ast.Expr = ast.Binary("*", value, factor)
+            made = term if made is None else ast.Binary("+", made, term)
+            continue
         if value == 0:
             continue
         size = abs(value)
@@ -103,7 +130,9 @@ def _times(value: float, factor: ast.Expr) -> ast.Expr:
     return factor if value == 1 else ast.Binary("*", number(value), factor)
 
 
-def _predicted(formula: Formula, i: ast.Expr, j: ast.Expr) -> tuple[ast.Element, ...]:
+def _predicted(
+    formula: Formula, i: ast.Expr, j: ast.Expr, handles: Handles
+) -> tuple[ast.Element, ...]:
     """What leads to a node."""
     angle = [(float(formula.turn[0]), i), (float(formula.turn[1]), j)]
     grown = [(float(formula.growth[0]), i), (float(formula.growth[1]), j)]
@@ -114,13 +143,18 @@ def _predicted(formula: Formula, i: ast.Expr, j: ast.Expr) -> tuple[ast.Element,
         odd = _function("mod", j, ast.Number(2.0))
         at = []
         for first, second, bend in formula.moves.tolist():
-            terms = [(first, i), (first * formula.stagger, odd), (second, j), (bend, square)]
+            step = handles.step if first and handles.step is not None else first
+            line_step = handles.line_step if second and handles.line_step is not None else second
+            terms = [(step, i), (first * formula.stagger, odd), (line_step, j), (bend, square)]
             at.append(_sum([(value, each) for value, each in terms]))
         more = [_sum([(v, e) for v, e in angle])] if turned or scaled else []
         more += [_sum([(1.0, None), *grown])] if scaled else []
         return (call("at", *at, *more),)
     turn, twist, first, second = formula.polar.tolist()
-    around = _sum([(turn, i), (twist, j)])
+    each: float | ast.Expr = turn
+    if handles.members is not None and closed(formula):
+        each = ast.Binary("/", number(360.0 if turn > 0 else -360.0), handles.members)
+    around = _sum([(each, i), (twist, j)])
     made: list[ast.Element] = [call("+", around), call("f", _radius(formula, first, second, i, j))]
     if formula.upright:
         made.append(call("-", around))
@@ -131,9 +165,7 @@ def _predicted(formula: Formula, i: ast.Expr, j: ast.Expr) -> tuple[ast.Element,
     return tuple(made)
 
 
-def _radius(
-    formula: Formula, first: float, second: float, i: ast.Expr, j: ast.Expr
-) -> ast.Expr:
+def _radius(formula: Formula, first: float, second: float, i: ast.Expr, j: ast.Expr) -> ast.Expr:
     index = j if formula.nested else i
     if formula.radial == "root":
         return _times(first, _function("sqrt", _sum([(1.0, index), (second, None)])))

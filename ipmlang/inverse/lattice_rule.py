@@ -59,6 +59,32 @@ class Formula:
     stagger: float = 0.0
     inside: Frames = field(default_factory=lambda: identity(1))
 
+    @property
+    def length(self) -> int:
+        """Members of a line."""
+        return self.across or self.count
+
+    @property
+    def turned_by(self) -> float:
+        """Degrees about the centre from one member to the next, 0 in straight lines."""
+        return 0.0 if self.polar is None else float(self.polar[0])
+
+    @property
+    def line(self) -> str:
+        """What a straight line of members is called."""
+        if self.moves is not None and abs(self.moves[0, 0]) < abs(self.moves[1, 0]):
+            return "column"
+        return "row"
+
+    @property
+    def steps(self) -> tuple[float, float]:
+        """From one member and from one line to the next, 0 where it is not along x or y."""
+        plain = self.moves is not None and not self.stagger and not self.moves[:, 2].any()
+        if not plain or self.moves is None:
+            return 0.0, 0.0
+        x, y = (float(each.sum()) * (np.count_nonzero(each) == 1) for each in self.moves.T[:2])
+        return x, y
+
     def nodes(self) -> tuple[Floats, Floats]:
         """(count,) i and j."""
         k = np.arange(self.count, dtype=np.float64)
@@ -221,7 +247,9 @@ def _of_net(lattice: Lattice, net: Net) -> tuple[Formula, Integers]:
         turn, growth = turn[::-1], growth[::-1]
     lead, hand = _lead(lattice, net.origin)
     local = [step / complex(lead.factor[0]) for step in steps]
-    moves = np.array([[each.real * hand for each in local] + [0.0], [each.imag for each in local] + [0.0]])
+    moves = np.array(
+        [[each.real * hand for each in local] + [0.0], [each.imag for each in local] + [0.0]]
+    )
     made = Formula(
         columns * lines, columns, lead, moves, None, turn * hand, growth, stagger=net.stagger
     )
@@ -242,7 +270,9 @@ def _of_line(lattice: Lattice, model: Model) -> tuple[Formula, Integers]:
 def _along(lattice: Lattice, step: float) -> bool:
     """Whether members turn with the lattice, by so many degrees from i to i + 1."""
     turn = _changes(lattice)[0][0]
-    return bool(lattice.angle.kind == "regular" and abs(wrap(np.array(turn - step))) < abs(step) / 8)
+    return bool(
+        lattice.angle.kind == "regular" and abs(wrap(np.array(turn - step))) < abs(step) / 8
+    )
 
 
 def _of_spiral(lattice: Lattice, model: Model) -> tuple[Formula, Integers]:
@@ -291,9 +321,7 @@ def _of_rings(lattice: Lattice, rings: Rings) -> tuple[Formula, Integers]:
 # ----------------------------------------------------------------------- rounding
 
 
-def _rounded(
-    formula: Formula, node: Integers, chosen: Frames, tolerance: float
-) -> Formula:
+def _rounded(formula: Formula, node: Integers, chosen: Frames, tolerance: float) -> Formula:
     """The same with as few decimals as cost next to nothing in precision: steps before places."""
     for rounding in (_round_moves, _round_polar, _round_changes, _round_inside, _round_lead):
         room = np.maximum(tolerance / 8, (1 + SHARE) * _gap(formula, node, chosen))

@@ -135,14 +135,19 @@ class Book:
         every = (*self.bodies, *self.loops, *self.trees, *self.lattices)
         return [rule for rule in every if rule != AXIOM]
 
-    def scattered(self) -> list[int]:
-        """Lattices whose members are not painted one after the other, in the order of nodes."""
-        found = []
-        for symbol, rule in self.lattices.items():
-            steps = np.diff(rule.drawn)
-            if (steps != self.extent[rule.part]).any():
-                found.append(symbol)
-        return found
+    def paint_order(self) -> Integers | None:
+        """(n,) ranks of all elements in the order of derivation, None where that is their order:
+        where the members of every lattice are painted one after the other.
+        """
+        made = []
+        parts = self.bodies[AXIOM].parts.tolist()
+        for part, rank in zip(parts, self.ranks.tolist(), strict=True):
+            rule = self.lattices.get(part)
+            starts = np.array([rank]) if rule is None else rule.drawn
+            extent = int(self.extent[part if rule is None else rule.part])
+            made.append((starts[:, None] + np.arange(extent)).ravel())
+        order = np.concatenate([np.zeros(0, np.int64), *made])
+        return None if (np.diff(order) == 1).all() else order
 
 
 def make_book(alphabet: Alphabet, string: Arrangement) -> Book:

@@ -14,11 +14,12 @@ import numpy as np
 from ipmlang.formats.drawing import Drawing
 from ipmlang.inverse.grammar_file import SHARE as ROUNDING
 from ipmlang.inverse.observation import TOLERANCE, Observation, observe
-from ipmlang.inverse.options import MOST_WITHIN, Options
+from ipmlang.inverse.options import LEAST_WITHIN, MOST_WITHIN, Options
 from ipmlang.inverse.terminals import SHARE
 
 LIMIT = 1e-6  # what every element must be given back within
-OF_STEP = 0.04  # of the way to the nearest equal shape: noise that a regular grammar drops
+OF_STEP = (0.01, 0.02, 0.04)  # of the way to the nearest equal shape: noise that is dropped
+OF_SIZE = 0.01  # of the smallest shape: what noise may change of a shape
 MEASURED = 1.1  # deviations of similar shapes are measured at points along them
 
 
@@ -36,16 +37,24 @@ class Tolerances:
 
 def seen(drawing: Drawing, options: Options) -> tuple[Observation, Tolerances]:
     """The drawing with as much tolerance as the options ask for."""
+    observed = observe(drawing, similarity=options.similarity)
     given = Tolerances()
     if options.within is not None:
         given = relaxed(options.within)
-    elif options.symmetrize:
-        given = relaxed(noise(observe(drawing, similarity=options.similarity)))
-    observed = observe(drawing, given.shapes, options.similarity)
+        shapes = min(given.shapes, OF_SIZE * _smallest(observed))
+        if shapes > 2 * TOLERANCE:
+            observed = observe(drawing, shapes, options.similarity)
     if options.similarity < 1:
         off = MEASURED * float(observed.error.max(initial=0.0)) / observed.diagonal
         given = replace(given, proof=given.proof + off)
     return observed, given
+
+
+def _smallest(observed: Observation) -> float:
+    """The extent of the smallest shape, a share of the diagonal."""
+    radius = np.array([each.radius for each in observed.classes])
+    drawn = radius[observed.shape] * observed.frames.scale if len(observed) else np.zeros(0)
+    return float(drawn[drawn > 0].min(initial=observed.diagonal)) / observed.diagonal
 
 
 def relaxed(within: float) -> Tolerances:
@@ -62,9 +71,9 @@ def relaxed(within: float) -> Tolerances:
     )
 
 
-def noise(observed: Observation) -> float:
-    """The bound for a drawing with noise: a part of the step from each shape to the nearest equal
-    one, in the median.
+def noises(observed: Observation) -> tuple[float, ...]:
+    """Bounds for a drawing with noise, from small to large: parts of the step from each shape to
+    the nearest equal one, in the median.
     """
     from scipy.spatial import cKDTree
 
@@ -75,5 +84,6 @@ def noise(observed: Observation) -> float:
             points = np.stack([at.real, at.imag], axis=1)
             steps.append(np.asarray(cKDTree(points).query(points, 2)[0])[:, 1])
     every = np.concatenate(steps)
-    step = float(np.median(every)) if len(every) else 0.0
-    return float(np.clip(OF_STEP * step / observed.diagonal, LIMIT, MOST_WITHIN))
+    step = float(np.median(every)) / observed.diagonal if len(every) else 0.0
+    bounds = (float(np.clip(part * step, LEAST_WITHIN, MOST_WITHIN)) for part in OF_STEP)
+    return tuple(dict.fromkeys(bounds))

@@ -47,6 +47,18 @@ def worded(book: Book, names: Mapping[int, str], nested: Set[int], family: int) 
     return Wording(count, f"{things} in a {kind}", f"{own}_step", f"from one {single} to the next")
 
 
+def worded_lattice(name: str, one: str, line: str, several_lines: bool) -> tuple[Wording, Wording]:
+    """The words for the members of a lattice's lines, and for the lines; name: of its rule."""
+    own, step = f"{stem(name)}_count", f"{stem(name)}_step"
+    if several_lines:
+        across = f"{stem(one)}_{ACROSS[line]}" if line in ACROSS else f"{stem(one)}_in_{line}"
+        own, step = f"{across}s" if line in ACROSS else across, f"{across}_step"
+    members = Wording(own, f"{several(one)} in a {line}", step, f"from one {noun(one)} to the next")
+    lines = f"{stem(one)}_{line}"
+    things = f"{line}s of {several(one)}"
+    return members, Wording(f"{lines}s", things, f"{lines}_step", f"from one {line} to the next")
+
+
 def _member(book: Book, family: int) -> int:
     """What a sequence repeats, as it is named."""
     part = book.loops[family].part

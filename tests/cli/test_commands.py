@@ -84,6 +84,10 @@ def test_run_writes_every_format(fence: Path, tmp_path: Path, suffix: str) -> No
         (["infer", "missing.svg", "-o", "x.ipm"], 1, "missing.svg"),
         (["infer", "fence.ipm", "-o", "x.ipm"], 1, "fence.ipm"),
         (["infer", "fence.ipm", "-o", "x.txt"], 2, ".ipm"),
+        (["infer", "x.svg", "--similarity", "0.2"], 2, "from 0.6 to 1, not 0.2"),
+        (["infer", "x.svg", "--weight-near", "-1"], 2, "from 0 to 10, not -1"),
+        (["infer", "x.svg", "--within", "nan"], 2, "from 1e-06 to 0.1, not nan"),
+        (["infer", "x.svg", "--weight-long", "much"], 2, "--weight-long"),
         (["grow"], 2, "grow"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
@@ -165,3 +169,22 @@ def test_the_readmes_first_command_does_its_job(tmp_path: Path) -> None:
         done = ipmlang(*words, folder=tmp_path)
         assert done.returncode == 0, done.stderr
     assert (tmp_path / "garden-again.svg").exists()
+
+
+def test_infer_explains_itself_on_request(tmp_path: Path) -> None:
+    pickets = "".join(f'<path d="M{4 * k} 0h2v9h-2z"/>' for k in range(12))
+    (tmp_path / "fence.svg").write_text(
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 50 10">{pickets}</svg>',
+        encoding="utf-8",
+    )
+    plain = ipmlang("infer", "fence.svg", folder=tmp_path)
+    told = ipmlang("infer", "fence.svg", "--explain", "--weight-long", "1", folder=tmp_path)
+    assert told.returncode == 0, told.stderr
+    assert told.stdout == plain.stdout
+    assert "taken" in told.stderr and "chosen: rules" in told.stderr
+    assert "round" not in plain.stderr
+    words = ("--explain", "--symmetrize", "--similarity", "0.9", "--paper", "--json")
+    done = ipmlang("infer", "fence.svg", *words, folder=tmp_path)
+    report = json.loads(done.stdout)
+    assert report["mode"] == "ideal"
+    assert report["explanation"][0]["tried"][0]["outcome"] == "taken"

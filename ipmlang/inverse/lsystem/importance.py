@@ -87,6 +87,7 @@ class Measure:
     _points: Complexes = field(default_factory=lambda: np.zeros((0, POINTS), np.complex128))
     _likeness: dict[tuple[int, int], float] = field(default_factory=dict)
     _samples: Samples | None = None
+    _sampled: dict[int, int] = field(default_factory=dict)
 
     def terms(
         self, alphabet: Alphabet, string: Arrangement, clusters: Sequence[Cluster]
@@ -168,39 +169,48 @@ class Measure:
         return np.array(values)[which.ravel()] if values else np.zeros(0)
 
     def _pair(self, alphabet: Alphabet, one: int, other: int) -> float:
-        """Groups are as similar as what they draw: the mean of the best likeness of each leaf."""
+        """Terminals by their curves; groups by the share of terminals that both have."""
         if one == other:
             return 1.0
         if (one, other) not in self._likeness:
-            leaves = [np.unique(alphabet[each].leaves, return_counts=True) for each in (one, other)]
-            table = np.array(
-                [[self._alike(a, b) for b in leaves[1][0].tolist()] for a in leaves[0][0].tolist()]
+            both = alphabet[one], alphabet[other]
+            terminal = both[0].terminal and both[1].terminal
+            self._likeness[one, other] = (
+                self._alike(one, other) if terminal else _shared(both[0].leaves, both[1].leaves)
             )
-            means = [
-                float(np.average(table.max(axis=1 - side), weights=leaves[side][1]))
-                for side in (0, 1)
-            ]
-            self._likeness[one, other] = min(means)
         return self._likeness[one, other]
 
     def _alike(self, one: int, other: int) -> float:
-        """The similarity of two terminals' shapes, flips included."""
-        if one == other:
-            return 1.0
-        key = min(one, other), max(one, other)
-        if key not in self._likeness:
-            self._likeness[key] = _likeness(*(self._outline(each) for each in key))
-        return self._likeness[key]
+        """The similarity of two terminals' shapes, flips included: 0 where one cannot lie on the
+        other, since they have other numbers of subpaths, or of closed ones.
+        """
+        shapes = [
+            self.outlines[each] if each < len(self.outlines) else None for each in (one, other)
+        ]
+        if any(shape is None or not len(shape.kind) for shape in shapes):
+            return 0.0
+        closed = [sorted(shape.closed.tolist()) for shape in shapes if shape is not None]
+        if closed[0] != closed[1]:
+            return 0.0
+        samples = self._sample()
+        lead, beside = self._sampled[one], np.array([self._sampled[other]])
+        found = match(samples, lead, beside, directed=False)
+        return float(np.clip(found.similarity[0], 0.0, 1.0))
 
-    def _outline(self, terminal: int) -> Outline | None:
-        return self.outlines[terminal] if terminal < len(self.outlines) else None
+    def _sample(self) -> Samples:
+        """Samples of all outlines that have any segment."""
+        if self._samples is None:
+            drawn = [
+                k for k, each in enumerate(self.outlines) if each is not None and len(each.kind)
+            ]
+            self._sampled = {terminal: row for row, terminal in enumerate(drawn)}
+            every = [self.outlines[k] for k in drawn]
+            self._samples = sample([each for each in every if each is not None])
+        return self._samples
 
 
-def _likeness(one: Outline | None, other: Outline | None) -> float:
-    """0 where one cannot lie on the other: other numbers of subpaths, or of closed ones."""
-    if one is None or other is None or not len(one.kind) or not len(other.kind):
-        return 0.0
-    if sorted(one.closed.tolist()) != sorted(other.closed.tolist()):
-        return 0.0
-    found = match(sample([one, other]), 0, np.array([1]), directed=False)
-    return float(np.clip(found.similarity[0], 0.0, 1.0))
+def _shared(one: Integers, other: Integers) -> float:
+    """The share of terminals (n,) and (m,) that are in both, each as often as it comes."""
+    count = int(max(one.max(), other.max())) + 1
+    both = np.bincount(one, minlength=count), np.bincount(other, minlength=count)
+    return float(np.minimum(*both).sum() / np.maximum(*both).sum())

@@ -45,6 +45,7 @@ from ipmlang.inverse.options import Options
 from ipmlang.inverse.score import (
     COUNTED,
     HEAD,
+    LOOP,
     placement_tokens,
     sequence_tokens,
     tree_tokens,
@@ -131,6 +132,25 @@ class Search:
             if each.terms is not None
         ]
         self.journal.add(len(self.string), trials)
+
+    def note_lattices(self, after: Arrangement) -> None:
+        """Note the lattices that another string has in place of members of this one."""
+        rules = {each: self.alphabet[each].lattice for each in after.symbol.tolist()}
+        made = {each: rule for each, rule in rules.items() if rule is not None}
+        known = set(self.string.symbol.tolist())
+        if not self.options.explain or self.measure is None:
+            return
+        cost = placement_tokens(self.string.placed, self.alphabet.tolerance)
+        trials = []
+        for symbol, rule in made.items():
+            if symbol in known:
+                continue
+            gain = float(cost[rule.rows].sum() - LOOP - 2 * len(rule.holes))
+            candidate = Candidate(gain, int(rule.rows.min()), rule.rows, rule.formula.lead)
+            terms = self.measure.terms(self.alphabet, self.string, [candidate.cluster()])
+            trials.append(candidate.trial(self.string, terms[0], "taken", symbol))
+        if trials:
+            self.journal.add(len(self.string), trials)
 
     def _pair_up(self) -> bool:
         """Join neighbours for which no rule pays, the most important first: the paper goes on until

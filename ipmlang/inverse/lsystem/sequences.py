@@ -67,7 +67,7 @@ class Field:
         fits = self.stretch[count - 1 :] == self.stretch[:last]
         for k in range(1, count):
             fits &= hand[k : last + k] == hand[:last]
-        return fits
+        return np.asarray(fits, np.bool_)
 
     def sequence(self, first: int, count: int) -> Sequence:
         """The members of a run."""
@@ -127,7 +127,7 @@ def _unrolled(field: Field) -> Floats:
     angle = field.regular.angle
     if not len(angle):
         return angle
-    return angle[0] + np.concatenate([[0.0], np.cumsum(wrap(np.diff(angle)))])
+    return np.asarray(angle[0] + np.concatenate([[0.0], np.cumsum(wrap(np.diff(angle)))]))
 
 
 # -------------------------------------------------------------------------- rows
