@@ -23,7 +23,7 @@ from ipmlang.inverse.grammar_file import (
     symbol_names,
     write_grammar,
 )
-from ipmlang.inverse.lattice_choice import with_lattices
+from ipmlang.inverse.lattice_choice import Memory, with_lattices
 from ipmlang.inverse.lsystem.curves import moved
 from ipmlang.inverse.lsystem.importance import Measure
 from ipmlang.inverse.lsystem.journal import Journal
@@ -42,6 +42,7 @@ from ipmlang.inverse.tolerances import Tolerances, relaxed, seen
 from ipmlang.inverse.upright import make_upright, settle_terminals
 
 LEAST_REGULAR = 0.3  # of the flat tokens: what is shorter needs no other look
+NOISE_TOKENS = 1.1  # times as many tokens a regular grammar with residuals may have
 FEW = 600  # elements for which a second look costs hardly any time
 MOST_SCATTERED = 6000  # symbols among which lattices are looked for
 
@@ -96,6 +97,14 @@ class Attempt:
     tokens: int
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Memories:
+    """What searches of one drawing tell each other: trees and lattices that were looked for."""
+
+    trees: TreeSearch
+    lattices: Memory
+
+
 def best_grammar(
     drawing: Drawing,
     stem: str,
@@ -123,18 +132,19 @@ def best_grammar(
         say("looking for rules")
         # Where a recursion draws everything, no other way to see its lines is worth the time.
         ways = ways[:1] if attempts else ways
-        trees = TreeSearch()
-        tried = [_searched(goal, way, say, trees) for way in ways]
-        found = min(tried, key=lambda each: each.written.weight)
-        irregular = found.written.tokens > LEAST_REGULAR * flat_tokens or len(observed) <= FEW
+        memory = Memories(TreeSearch(), {})
+        tried = [_searched(goal, way, say, memory) for way in ways]
+        found = min(tried, key=lambda each: each.written.tokens)
+        enough = LEAST_REGULAR if len(observed) > FEW else LEAST_REGULAR / 2
+        irregular = found.written.tokens > enough * flat_tokens
         if irregular and len(observed) <= MOST_SCATTERED and not attempts:
             say("looking for lattices")
-            again = [_searched(goal, way, say, trees, True) for way in _ways(goal)]
-            again = [each for each in again if each.book.lattices]
-            found = min([*again, found], key=lambda each: each.written.weight)
+            again = [_searched(goal, way, say, memory, True) for way in _ways(goal)]
+            found = _shorter(found, [each for each in again if each.book.lattices])
         attempts += _written_out(found, len(observed))
         attempts.sort(key=lambda each: each.tokens)
-        if not options.paper:
+        # The paper's pairs, and rows that noise and paint order make long, are what was asked for.
+        if not (options.paper or options.symmetrize):
             attempts = [each for each in attempts if each.tokens <= flat_tokens]
     none = _counts(flat_book, len(observed))
     finest = replace(plain, share=1e-15)
@@ -142,6 +152,15 @@ def best_grammar(
     attempts.append(Attempt("flat", lambda: write_grammar(flat_book, finest), none, flat_tokens))
     say("deriving what was found")
     return _first_right(goal, attempts, found, flat_tokens)
+
+
+def _shorter(found: Found, regular: list[Found]) -> Found:
+    """What is found, or the best of what begins with lattices: by the weight of its numbers, since
+    residuals have few digits, but never for many more tokens.
+    """
+    most = NOISE_TOKENS * found.written.tokens + 40
+    better = [each for each in regular if each.written.tokens <= most]
+    return min([found, *better], key=lambda each: each.written.weight)
 
 
 def _ways(goal: Goal) -> list[Instanced]:
@@ -180,24 +199,28 @@ def _recursive(subject: Subject) -> list[Attempt]:
 
 
 def _searched(
-    goal: Goal, way: Instanced, say: Callable[[str], None], trees: TreeSearch, first: bool = False
+    goal: Goal, way: Instanced, say: Callable[[str], None], known: Memories, first: bool = False
 ) -> Found:
     """What is found when the drawing is seen in one way; first: lattices before other rules."""
     instanced = grouped(goal.observed, way, shared=True)
     bodies = dict(instanced.bodies)
-    given, scattered = instanced.string, not instanced.effects
+    # A table of the whole paint order pays only where lattices explain much: if they come first.
+    given, scattered = instanced.string, first and not instanced.effects
     regular = given
     if first:
-        regular = with_lattices(instanced.alphabet, given, scattered)
+        regular = with_lattices(instanced.alphabet, given, scattered, known.lattices)
     search = Search(
-        instanced.alphabet, instanced.seen, given, say, bodies, goal.options, trees=trees
+        instanced.alphabet, instanced.seen, given, say, bodies, goal.options, trees=known.trees
     )
     search.measure = _measure(instanced, goal)
     search.note_lattices(regular)
     search.string = regular
     string = search.run()
     if len(string) <= MOST_SCATTERED and not goal.options.paper:
-        search.string, string = string, with_lattices(instanced.alphabet, string, scattered)
+        search.string, string = (
+            string,
+            with_lattices(instanced.alphabet, string, scattered, known.lattices),
+        )
         search.note_lattices(string)
     book = _simplified(instanced, string, goal.options)
     instanced = replace(instanced, string=string)

@@ -8,15 +8,18 @@ as many numbers. Nothing here prints.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.inverse.lattice_rule import LatticeRule, lattice_rule
 from ipmlang.inverse.lsystem.frames import Floats, Frames, compose, inverse
+from ipmlang.inverse.lsystem.lattice_build import Lattice
 from ipmlang.inverse.lsystem.lattices import find_lattices
 from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers, joined
 
+LEAST = 4  # placements of one symbol among which anything is looked for
 NOISE = 0.015  # of the step: what members may be off and still belong
 ROUNDS = 4  # of looking again at what is left of one symbol
 RULE = 34.0  # tokens of a lattice's rule, usually
@@ -24,13 +27,21 @@ DIGITS = 4.0  # of a number that weighs as much as another token
 TABLE = 8  # placements of one symbol in a row that stand in a table
 
 
+Memory: TypeAlias = "dict[bytes, list[Lattice]]"
+
+
 def with_lattices(
-    alphabet: Alphabet, string: Arrangement, scattered: bool, noise: float = NOISE
+    alphabet: Alphabet,
+    string: Arrangement,
+    scattered: bool,
+    known: Memory,
+    noise: float = NOISE,
 ) -> Arrangement:
     """The string with a symbol in place of the members of each lattice that pays, where the first
-    of them is painted. scattered: members need not be painted one after the other.
+    of them is painted. scattered: members need not be painted one after the other; known: what was
+    found among the same placements before, which is added to.
     """
-    chosen, left = choose_lattices(alphabet, string, scattered, noise)
+    chosen, left = choose_lattices(alphabet, string, scattered, known, noise)
     made = [left]
     for rule in chosen:
         lead = rule.formula.lead
@@ -45,7 +56,11 @@ def with_lattices(
 
 
 def choose_lattices(
-    alphabet: Alphabet, string: Arrangement, scattered: bool, noise: float = NOISE
+    alphabet: Alphabet,
+    string: Arrangement,
+    scattered: bool,
+    known: Memory,
+    noise: float = NOISE,
 ) -> tuple[list[LatticeRule], Arrangement]:
     """Lattices that pay, and the string without their members."""
     left = np.ones(len(string), np.bool_)
@@ -54,7 +69,8 @@ def choose_lattices(
     for symbol in np.unique(string.symbol).tolist():
         for _ in range(ROUNDS):
             rows = np.flatnonzero((string.symbol == symbol) & left & plain)
-            made = list(_of_symbol(alphabet, string, symbol, rows, noise, scattered))
+            found = _lattices(alphabet, string, symbol, rows, noise, known)
+            made = list(_of_symbol(alphabet, string, symbol, rows, found, scattered))
             if not made:
                 break
             chosen += made
@@ -62,29 +78,47 @@ def choose_lattices(
     return chosen, string[left]
 
 
-def _of_symbol(
+def _lattices(
     alphabet: Alphabet,
     string: Arrangement,
     symbol: int,
     rows: Integers,
     noise: float,
+    known: Memory,
+) -> list[Lattice]:
+    """What is found among these rows of the string, looked for once."""
+    if len(rows) < LEAST:
+        return []
+    definition, placed = alphabet[symbol], string.placed[rows]
+    group = definition.stabiliser
+    columns = (placed.x, placed.y, placed.angle, placed.scale, placed.handedness, group.angle)
+    sizes = np.array([definition.radius, alphabet.tolerance, noise, definition.free])
+    key = b"".join(each.tobytes() for each in (*columns, string.start[rows], sizes))
+    if key not in known:
+        known[key] = find_lattices(
+            placed,
+            group,
+            definition.free,
+            definition.radius,
+            2 * alphabet.tolerance,
+            noise,
+            string.start[rows],
+        )
+    return known[key]
+
+
+def _of_symbol(
+    alphabet: Alphabet,
+    string: Arrangement,
+    symbol: int,
+    rows: Integers,
+    found: list[Lattice],
     scattered: bool,
 ) -> Iterator[LatticeRule]:
     """Lattices of one symbol that share no member, best first; `rows` are rows of the string."""
-    if len(rows) < 4:
-        return
     definition = alphabet[symbol]
     tabled = _in_tables(string)
     used = np.zeros(len(string), np.bool_)
-    found = find_lattices(
-        string.placed[rows],
-        definition.stabiliser,
-        definition.free,
-        definition.radius,
-        2 * alphabet.tolerance,
-        noise,
-        string.start[rows],
-    )
     for lattice in found:
         rule = lattice_rule(
             symbol, lattice, string.start[rows], definition.radius, alphabet.tolerance
@@ -118,7 +152,9 @@ def _gain(
     placed, fine = string.placed[members], alphabet.tolerance
     reach = max(alphabet[rule.part].radius, fine)
     columns = _columns(placed, fine, reach)
-    before = sum(_digits(value, error).sum() for value, error, rest in columns if np.ptp(value) or rest)
+    before = sum(
+        _digits(value, error).sum() for value, error, rest in columns if np.ptp(value) or rest
+    )
     before = before / DIGITS + 6.0 * np.count_nonzero(~tabled[members])
     after = RULE + 2.0 * len(rule.holes)
     inside = {"x": fine, "y": fine, "angle": np.rad2deg(fine / reach), "scale": fine / reach}
@@ -128,9 +164,7 @@ def _gain(
     return float(before - after - _layering(members))
 
 
-def _columns(
-    placed: Frames, fine: float, reach: float
-) -> list[tuple[Floats, float, bool]]:
+def _columns(placed: Frames, fine: float, reach: float) -> list[tuple[Floats, float, bool]]:
     turn, factor = float(np.rad2deg(fine / reach)), fine / reach
     return [
         (placed.x, fine, True),

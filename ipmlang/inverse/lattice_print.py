@@ -36,7 +36,7 @@ PLAIN = Handles()
 
 def closed(formula: Formula) -> bool:
     """Whether a ring's members are one full turn."""
-    whole = abs(abs(float(formula.turned_by)) * formula.length - 360) <= 1e-9
+    whole = abs(abs(float(formula.turned_by)) * formula.length - 360) <= 1e-5
     return formula.polar is not None and not formula.nested and whole
 
 

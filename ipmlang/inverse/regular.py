@@ -1,4 +1,4 @@
-"""The grammar that options ask for: the exact one, or, with a tolerance, the shortest within it.
+"""The grammar that options ask for: the exact one, or, with a tolerance, the best within it.
 
 A larger tolerance finds more rules but takes small shapes for noise, so several are tried. Takes a
 drawing and options; gives a proven grammar. Nothing here searches itself.
@@ -28,7 +28,7 @@ def grammar_of(
     say: Callable[[str], None],
     options: Options = USUAL,
 ) -> Made:
-    """The shortest grammar as exact as the options ask for."""
+    """The grammar as exact as the options ask for: the shortest, or the most regular."""
     exact = replace(options, within=None, symmetrize=False)
     made = best_grammar(drawing, stem, flat, say, exact)
     if options.within is None and not options.symmetrize:
@@ -40,6 +40,8 @@ def grammar_of(
             found.append(best_grammar(drawing, stem, flat, say, replace(options, within=within)))
         except IpmError:  # what a tolerance has spoilt is left to the others
             continue
+    if options.symmetrize:  # what is regular, not what is short
+        return min(found, key=lambda each: (-round(each.report.explained, 2), _tokens(each)))
     return min(found, key=_tokens)
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ipmlang.inverse.lsystem.frames import Frames, compose, join, wrap
 from ipmlang.inverse.lsystem.symbols import Alphabet
-from ipmlang.inverse.simplify import Body, Book
+from ipmlang.inverse.simplify import AXIOM, Body, Book
 
 LEAST = 4  # rows that are shorter as a repeat than written out
 
@@ -93,6 +93,8 @@ def _completed(book: Book, alphabet: Alphabet, rule: int, start: int, taper: Tap
         first = at - count if growing else at
         if not _stands_there(book, alphabet, family, body, first, count, lead):
             break
+        if rule == AXIOM and not _painted_together(book, family, first, count):
+            break
         _put(book, rule, first, count, _sequence(book, alphabet, family, count), lead)
         at, row = (first, row - 1) if growing else (first + 1, row + 1)
     return at + taper.rows - 1 - row if growing else at
@@ -109,6 +111,12 @@ def _stands_there(
     return bool(alphabet.alike(loop.part, body.places[rows], wanted).all())
 
 
+def _painted_together(book: Book, family: int, first: int, count: int) -> bool:
+    """Whether nothing of a lattice is painted between members that stand in the axiom."""
+    steps = np.diff(book.ranks[first : first + count])
+    return bool((steps == book.extent[book.loops[family].part]).all())
+
+
 def _sequence(book: Book, alphabet: Alphabet, family: int, count: int) -> int:
     """The symbol of a sequence with so many members, a new one where there is none."""
     for symbol, known in book.count.items():
@@ -118,6 +126,7 @@ def _sequence(book: Book, alphabet: Alphabet, family: int, count: int) -> int:
     symbol = alphabet.add_sequence(loop.part, count, loop.pattern, family)
     book.family[symbol], book.count[symbol] = family, count
     book.size = np.append(book.size, alphabet[symbol].drawn)
+    book.extent = np.append(book.extent, alphabet[symbol].size)
     return symbol
 
 
@@ -127,3 +136,5 @@ def _put(book: Book, rule: int, first: int, count: int, symbol: int, lead: Frame
     parts = [*body.parts[:first].tolist(), symbol, *body.parts[after:].tolist()]
     places = join([body.places[:first], lead, body.places[after:]])
     book.bodies[rule] = Body(np.array(parts, np.int64), places)
+    if rule == AXIOM:
+        book.ranks = np.delete(book.ranks, np.arange(first + 1, after))
