@@ -110,9 +110,7 @@ class Builder:
     def _named_in(self, rule: int) -> list[int]:
         family = self.book.family
         if rule not in self.book.bodies:
-            structures = {**self.book.trees, **self.book.lattices}
-            loops = self.book.loops
-            part = loops[rule].part if rule in loops else structures[rule].part
+            part = self.book.repeats()[rule]
             return [family.get(part, part)]
         parts = self.book.bodies[rule].parts.tolist()
         return list(dict.fromkeys(family.get(part, part) for part in parts))

@@ -23,9 +23,7 @@ ALONG = 32  # points of a segment whose distance from the other curve is measure
 REFINED_AT_MOST = 500  # pairs that correspond but differ, for which a lower distance is sought
 
 
-def pair_distances(
-    a: Curves, b: Curves, fixed: Booleans, unit: float, near: float = 0.0
-) -> Floats:
+def pair_distances(a: Curves, b: Curves, fixed: Booleans, unit: float, near: float = 0.0) -> Floats:
     """(n,) largest distance between element i of a and element i of b.
 
     fixed: (n,) start and direction are visible, so they must agree; unit: the drawing's diagonal;

@@ -56,9 +56,7 @@ def linear(first: float, slope: float, variable: str, errors: tuple[float, float
     return ast.Binary("+" if step > 0 else "-", number(start), term)
 
 
-def quadratic(
-    slope: float, second: float, variable: str, errors: tuple[float, float]
-) -> ast.Expr:
+def quadratic(slope: float, second: float, variable: str, errors: tuple[float, float]) -> ast.Expr:
     """`slope * variable + second * variable * variable`, parts that are nothing left out."""
     bend = shortest(second, errors[1])
     if bend == 0:

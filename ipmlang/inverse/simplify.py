@@ -60,11 +60,11 @@ class Branches:
 @dataclass(slots=True, eq=False)
 class Book:
     """All rules that are left. bodies: by group symbol, AXIOM for the axiom; loops: by family;
-    trees, lattices: by symbol;
-    extent: rows of every symbol in what was seen; ranks: of the axiom's rows in paint order; family, count: of every symbol that is a sequence; size: of every symbol, in elements; small:
-    units, what is printed as 0; assets: where a terminal's representative lies in its asset, the
-    identity where none is given; effects: the class of the effect that wraps a group's body;
-    anchored: groups whose effect lies somewhere, at their own frame.
+    trees, lattices: by symbol; extent: rows of every symbol in what was seen; ranks: of the axiom's
+    rows in paint order; family, count: of every symbol that is a sequence; size: of every symbol,
+    in elements; small: units, what is printed as 0; assets: where a terminal's representative lies
+    in its asset, the identity where none is given; effects: the class of the effect that wraps a
+    group's body; anchored: symbols whose frame is bound, by an effect or a structure.
     """
 
     bodies: dict[int, Body]
@@ -126,9 +126,13 @@ class Book:
 
     def repeated(self) -> list[int]:
         """What sequences and structures repeat; their patterns bind its frame."""
-        structures = (*self.trees.values(), *self.lattices.values())
-        loops = [each.part for each in self.loops.values()]
-        return loops + [each.part for each in structures]
+        return list(self.repeats().values())
+
+    def repeats(self) -> dict[int, int]:
+        """The part of every sequence, branching structure and lattice."""
+        made = {rule: each.part for rule, each in self.loops.items()}
+        made |= {rule: each.part for rule, each in self.trees.items()}
+        return made | {rule: each.part for rule, each in self.lattices.items()}
 
     def rules(self) -> list[int]:
         """All rules but the axiom: groups, sequences, branching structures, lattices."""

@@ -115,7 +115,9 @@ def several(name: str) -> str:
     single = noun(name)
     if single == name and not name.isalpha():
         return f"copies of {name}"
-    if single.endswith(("s", "x", "z", "ch", "sh")):
+    if single.endswith("s") and not single.endswith("ss"):
+        return single  # groups are often named by what is in them: flowers, windows
+    if single.endswith(("ss", "x", "z", "ch", "sh")):
         return f"{single}es"
     if single.endswith("y") and single[-2:-1] not in "aeiou":
         return f"{single[:-1]}ies"

@@ -57,7 +57,8 @@ def cloud(at: Complexes, exact: float, loose: float, straight: bool = False) -> 
     straight = straight or _on_a_line(at)
     tree = cKDTree(np.stack([at.real, at.imag], axis=1))
     often = count - 1 if count <= EVERY else min(NEIGHBOURS, count - 1)
-    apart, near = tree.query(np.stack([at.real, at.imag], axis=1), k=often + 1)
+    nearest = tree.query(np.stack([at.real, at.imag], axis=1), k=often + 1)
+    apart, near = np.asarray(nearest[0], np.float64), np.asarray(nearest[1], np.int64)
     few = min(often, NEIGHBOURS)
     room = np.maximum(apart[:, few], exact)
     density = few / (2 * room if straight else pi * room**2)
@@ -70,7 +71,7 @@ def cloud(at: Complexes, exact: float, loose: float, straight: bool = False) -> 
         away, row = tree.query(wanted, k=1, distance_upper_bound=bound)
         return np.where(away <= reaches, row, -1).astype(np.int64).reshape(places.shape)
 
-    others = near[:, 1:].astype(np.int64)
+    others = near[:, 1:].copy()
     coarse = (FINE if straight else COARSE) * float(np.median(apart[:, 1]))
     grain = min(_grain(at, exact), coarse)
     return Cloud(at, others, density, straight, grain, exact, loose, find)

@@ -187,18 +187,22 @@ def _rule(
 
 def _robust(design: Floats, value: Floats, room: Floats) -> tuple[Floats, Mask]:
     """Least squares; where members are off, least absolute errors first, then without strays."""
-    solved = np.linalg.lstsq(design, value, rcond=None)[0]
+    solved = _least(design, value)
     keep = np.abs(value - design @ solved) <= room
     if keep.all() or len(value) < LEAST:
         return solved, keep
     for _ in range(ROUNDS):
         weight = 1 / np.sqrt(np.maximum(np.abs(value - design @ solved), room / 4))
-        solved = np.linalg.lstsq(design * weight[:, None], value * weight, rcond=None)[0]
+        solved = _least(design * weight[:, None], value * weight)
     keep = np.abs(value - design @ solved) <= 1.5 * room
     if keep.sum() >= design.shape[1]:
-        solved = np.linalg.lstsq(design[keep], value[keep], rcond=None)[0]
+        solved = _least(design[keep], value[keep])
         keep = np.abs(value - design @ solved) <= room
     return solved, keep
+
+
+def _least(design: Floats, value: Floats) -> Floats:
+    return np.asarray(np.linalg.lstsq(design, value, rcond=None)[0], np.float64)
 
 
 # ------------------------------------------------------------------------ angle

@@ -95,7 +95,7 @@ def _seedings(known: Cloud, used: Mask, share: float) -> Iterator[tuple[list[_Se
 
     A generator, so that the second sees what grids of the first have taken.
     """
-    steps = _common_steps(known, used) if len(known) > EVERY else np.zeros(0)
+    steps = _common_steps(known, used) if len(known) > EVERY else np.zeros(0, np.complex128)
     if len(steps) >= 2:
         points = np.flatnonzero(~used)
         points = points[:: max(1, len(points) // SAMPLED)]

@@ -85,7 +85,7 @@ def join_rings(known: Cloud, chains: list[Chain]) -> list[Rings]:
 
 
 def _chord(chain: Chain) -> float:
-    return abs(2 * float(chain.model.numbers[4]) * np.sin(chain.model.numbers[TURN] / 2))
+    return float(abs(2 * float(chain.model.numbers[4]) * np.sin(chain.model.numbers[TURN] / 2)))
 
 
 def _joined(known: Cloud, chains: list[Chain]) -> Rings | None:
@@ -127,7 +127,7 @@ def _joined(known: Cloud, chains: list[Chain]) -> Rings | None:
 def _numbered(radius: Floats, known: Cloud) -> Integers | None:
     """Numbers of rising radii that go evenly, few left out; None if they do not."""
     step = float(np.median(np.diff(radius)))
-    number = np.round((radius - radius[0]) / step).astype(np.int64)
+    number: Integers = np.round((radius - radius[0]) / step).astype(np.int64)
     if (np.diff(number) < 1).any() or len(number) < (1 - HOLES) * (number[-1] + 1):
         return None
     line = np.polynomial.Polynomial.fit(number, radius, 1)

@@ -20,7 +20,7 @@ from ipmlang.inverse.lsystem.lattice_chains import LATE, Chain, Mask, believable
 from ipmlang.inverse.lsystem.lattice_cloud import Cloud, Integers
 from ipmlang.inverse.lsystem.lattice_models import TERMS, Kind, at, spacing, start
 
-ATTEMPTS = 300  # seeds grown in one search
+ATTEMPTS = 120  # seeds grown in one search
 SLACK = 4.0  # times the noise that a prediction from a seed may be off
 TRIPLES = 80_000  # seeds of what bends
 SMOOTH, SHARP = 75.0, 125.0  # degrees between steps of noisy and of exact chains
@@ -193,7 +193,8 @@ def _bend_seeds(known: Cloud, used: Mask, share: float, line: Integers) -> Seeds
     turn = np.abs(np.angle(ratio, deg=True))
     good = (size < GROWTH) & (size > 1 / GROWTH) & (turn <= (SHARP if share == 0 else SMOOTH))
     good &= (line[p] < 0) | (line[a] != line[p]) | (line[b] != line[p])
-    a, p, b, ratio, ahead, behind = (each[good] for each in (a, p, b, ratio, ahead, behind))
+    a, p, b = (each[good] for each in (a, p, b))
+    ratio, ahead, behind = (each[good] for each in (ratio, ahead, behind))
     places = known.at[a], known.at[p], known.at[b]
     made = [
         _carried(known, used, share, places, np.stack([a, p, b], axis=1), outer)

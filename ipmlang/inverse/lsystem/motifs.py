@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -33,7 +34,7 @@ SNAP = 1e-7  # relative: a fitted turn or size this close to a plain one may be 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Motif:
-    """`length` symbols from each of `rows` (k,) on; gain: tokens that a rule for them would save."""
+    """`length` symbols from each of `rows` (k,) on; gain: tokens that a rule for them saves."""
 
     gain: float
     rows: Integers
@@ -95,17 +96,26 @@ def _options(
     first = alphabet[int(arrangement.symbol[motif.rows[0]])]
     placed = arrangement.placed[motif.rows]
     for which in range(1, len(first.stabiliser)):
-        yield lambda rows, which=which: compose(placed[rows], first.stabiliser[which : which + 1])
+        yield partial(_kept, placed, first.stabiliser[which : which + 1])
     columns = motif.rows[:, None] + np.arange(motif.length)
     seen = arrangement.placed.position[columns]
     model = relative_places(arrangement.placed, int(motif.rows[0]), motif.length).position
     for hand in (1, -1):
-        yield lambda rows, hand=hand: _plain(_fit(model, seen[rows], hand))
-        yield lambda rows, hand=hand: _fit(model, seen[rows], hand)
+        yield partial(_plain_fit, model, seen, hand)
+        yield partial(_fit, model, seen, hand)
 
 
-def _fit(model: Complexes, seen: Complexes, hand: int) -> Frames:
-    """(k,) frames that lay the model (m,) over each row of `seen` (k, m), by least squares."""
+def _kept(placed: Frames, keeps: Frames, rows: Integers) -> Frames:
+    return compose(placed[rows], keeps)
+
+
+def _plain_fit(model: Complexes, seen: Complexes, hand: int, rows: Integers) -> Frames:
+    return _plain(_fit(model, seen, hand, rows))
+
+
+def _fit(model: Complexes, seen: Complexes, hand: int, rows: Integers) -> Frames:
+    """(k,) frames that lay the model (m,) over these rows of `seen` (n, m), by least squares."""
+    seen = seen[rows]
     local = mirrored(model, np.array(hand, np.int8))
     middle, centre = local.mean(), seen.mean(axis=1)
     centred = local - middle

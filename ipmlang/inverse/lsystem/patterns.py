@@ -96,9 +96,10 @@ class Pattern:
             )
             return frames(x + 1j * y, angle, 1 + growth)
         if self.kind == "polar":
-            turn, growth = self.base[0] * index, self.base[3]
-            angle = np.zeros_like(turn) if self.upright else turn
-            return frames(self.radii(index) * unit(turn), angle, 1 + growth * index)
+            turn = self.base[0] * index
+            heading = np.zeros_like(index) if self.upright else turn
+            grown = 1 + self.base[3] * index
+            return frames(self.radii(index) * unit(turn), heading, grown)
         return self._alternating(count) if self.mirrored else self._carried(index[: count - 1])
 
     def radii(self, index: Floats) -> Floats:

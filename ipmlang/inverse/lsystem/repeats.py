@@ -48,7 +48,7 @@ def find_repeats(labels: Integers, weight: NDArray[np.float64], most: int) -> li
         often = min(right - left, (len(labels) + length) // length)
         covered = float(total[first + length] - total[first]) * often
         sized.setdefault(length.bit_length(), []).append((-covered, length, left, right))
-    found = {}
+    found: dict[tuple[int, int, int], Repeat] = {}
     for bits in sorted(sized, reverse=True):
         for _, length, left, right in sorted(sized[bits])[:most]:
             repeat = _primitive(Repeat(length, np.sort(suffixes[left:right])))

@@ -57,8 +57,8 @@ class _Side:
 
     def thinned(self, step: int = COARSE) -> _Side:
         """Every few of them."""
-        parts = (self.points, self.heading, self.turn)
-        return _Side(*(part[..., step // 2 :: step] for part in parts))
+        few = (..., slice(step // 2, None, step))
+        return _Side(self.points[few], self.heading[few], self.turn[few])
 
     def moved(self, factor: Complexes, shift: Complexes) -> _Side:
         """The samples under moves (...)."""
@@ -100,7 +100,8 @@ def match(
         few = variants[form].thinned(step), given.thinned(step)
         factor, shift, near = _coarse(*few, factor, shift, WIDE, directed)
         best = np.argsort(-near, axis=1, kind="stable")[:, :left]
-        factor, shift, form = (np.take_along_axis(each, best, 1) for each in (factor, shift, form))
+        factor, shift = (np.take_along_axis(each, best, 1) for each in (factor, shift))
+        form = np.take_along_axis(form, best, 1)
     factor, shift, best = factor[:, 0], shift[:, 0], form[:, 0]
     hope = _hope(variants.thinned()[best], given.thinned(), factor, shift, directed)
     rows = np.flatnonzero(hope >= DOUBT * least)
@@ -124,7 +125,8 @@ def _hope(
     """(k,) what the few samples say of the similarity."""
     features = chosen.moved(factor, shift).features()
     apart = _apart(features / GENEROUS, given.features() / GENEROUS, directed)
-    return np.minimum(*(_weights(apart.min(axis=axis)).mean(axis=1) for axis in (1, 2)))
+    mine, yours = (_weights(apart.min(axis=axis)).mean(axis=1) for axis in (1, 2))
+    return np.asarray(np.minimum(mine, yours))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -169,8 +171,8 @@ def _voted(variants: _Side, given: _Side, directed: bool) -> tuple[Complexes, Co
     number = (row * variants.points.shape[0] + form) * TURNS + around.astype(np.int64) % TURNS
     number = (number * CELLS + x) * CELLS + y
     shape = (len(given.points), len(variants.points), TURNS, CELLS, CELLS)
-    votes = np.bincount(number[inside], weight[inside], int(np.prod(shape))).reshape(shape)
-    return _peaks(votes)
+    votes = np.bincount(number[inside], weight[inside], int(np.prod(shape)))
+    return _peaks(np.asarray(votes, np.float64).reshape(shape))
 
 
 def _peaks(votes: Floats) -> tuple[Complexes, Complexes]:
@@ -211,11 +213,11 @@ def _apart(mine: Floats, yours: Floats, directed: bool) -> NDArray[np.float32]:
 
 
 def _squared(features: Floats) -> Floats:
-    return np.sum(features**2, axis=-1, keepdims=True)
+    return np.asarray(np.sum(features**2, axis=-1, keepdims=True))
 
 
 def _weights(squares: NDArray[np.floating]) -> Floats:
-    return np.clip(1.0 - np.float64(squares), 0.0, 1.0)
+    return np.clip(1.0 - np.asarray(squares, np.float64), 0.0, 1.0)
 
 
 def _coarse(
@@ -277,9 +279,8 @@ def _fine(
     there = _between(features, mine.points, links, nearest[0], theirs)
     here = _between(theirs, given.points, others, nearest[1], features)
     if directed:
-        late = (np.take_along_axis(apart, nearest[0][:, None], 1)[:, 0] >= 1,)
-        late += (np.take_along_axis(apart, nearest[1][..., None], 2)[..., 0] >= 1,)
-        there[0][late[0]], here[0][late[1]] = 1.0, 1.0
+        there[0][np.take_along_axis(apart, nearest[0][:, None], 1)[:, 0] >= 1] = 1.0
+        here[0][np.take_along_axis(apart, nearest[1][..., None], 2)[..., 0] >= 1] = 1.0
     weights = _weights(there[0]), _weights(here[0])
     ours = np.concatenate([there[1], mine.points], axis=1)
     yours = np.concatenate([given.points, here[1]], axis=1)

@@ -116,9 +116,7 @@ class Alphabet:
         self.definitions.append(made)
         return len(self) - 1
 
-    def add_group(
-        self, parts: Integers, places: Frames, effect: int = -1, mark: int = -1
-    ) -> int:
+    def add_group(self, parts: Integers, places: Frames, effect: int = -1, mark: int = -1) -> int:
         """A new group of symbols (m,) at places (m,), wrapped in an effect of some class; its
         number. mark: the terminal that stands for the effect where it lies somewhere.
         """
@@ -234,9 +232,7 @@ class Alphabet:
         keeps, free = self._stabiliser(parts, places)
         at, arm = placed.position, placed.factor
         marks = sum(each.marks for each in known)
-        return Definition(
-            parts, places, leaves, placed, keeps, free, radius, at, arm, marks=marks
-        )
+        return Definition(parts, places, leaves, placed, keeps, free, radius, at, arm, marks=marks)
 
     def _stabiliser(self, parts: Integers, places: Frames) -> tuple[Frames, bool]:
         """Frames that keep every member where it is, and whether all rotations do."""

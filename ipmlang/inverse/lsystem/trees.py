@@ -18,7 +18,7 @@ from ipmlang.inverse.recursion.branching import Branching, find_branching
 
 LEAST = 7  # nodes
 MOST_TRIES = 3  # stretches of one round
-SECONDS = 0.5  # for one of them
+SECONDS = 5.0  # for one of them, which hardly any takes
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -31,7 +31,7 @@ MOST_PROOFS = 40
 MOST_LETTERS = 48  # plus a share of the joints: a drawing with more kinds of joints has no rule
 SHARE = 1 / 8
 MOST_STYLES = 8
-LONGEST_PERIOD = 64  # joints of what a sequence says better than a recursion
+LONGEST_PERIOD = 12  # joints of what a sequence says better than a recursion
 OVERHEAD = 16  # tokens of a grammar besides its bodies, at least
 
 
