@@ -6,6 +6,7 @@ every digit, and one placement per element. Nothing is written to where the user
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -42,6 +43,7 @@ from ipmlang.inverse.tolerances import Tolerances, relaxed, seen
 from ipmlang.inverse.upright import make_upright, settle_terminals
 
 LEAST_REGULAR = 0.3  # of the flat tokens: what is shorter needs no other look
+LEFT = 6  # placements of one symbol that a lattice could say
 NOISE_TOKENS = 1.1  # times as many tokens a regular grammar with residuals may have
 FEW = 600  # elements for which a second look costs hardly any time
 MOST_SCATTERED = 6000  # symbols among which lattices are looked for
@@ -136,7 +138,7 @@ def best_grammar(
         tried = [_searched(goal, way, say, memory) for way in ways]
         found = min(tried, key=lambda each: each.written.tokens)
         enough = LEAST_REGULAR if len(observed) > FEW else LEAST_REGULAR / 2
-        irregular = found.written.tokens > enough * flat_tokens
+        irregular = found.written.tokens > enough * flat_tokens and _alike(found.book) >= LEFT
         if irregular and len(observed) <= MOST_SCATTERED and not attempts:
             say("looking for lattices")
             again = [_searched(goal, way, say, memory, True) for way in _ways(goal)]
@@ -152,6 +154,13 @@ def best_grammar(
     attempts.append(Attempt("flat", lambda: write_grammar(flat_book, finest), none, flat_tokens))
     say("deriving what was found")
     return _first_right(goal, attempts, found, flat_tokens)
+
+
+def _alike(book: Book) -> int:
+    """How often the axiom places one symbol, a sequence of any length being one, at most."""
+    parts = book.bodies[AXIOM].parts.tolist()
+    often = Counter(book.family.get(part, part) for part in parts)
+    return max(often.values(), default=0)
 
 
 def _shorter(found: Found, regular: list[Found]) -> Found:

@@ -162,7 +162,14 @@ def test_paint_order_is_kept_where_shapes_alternate_irregularly() -> None:
     assert made.report.max_error < 1e-6
 
 
-@pytest.mark.parametrize("amount", [0.01, 0.5, 3])
+def test_slight_noise_stands_beside_the_rule() -> None:
+    made = made_of(copies(leaf(5), jittered(row(50, (1.7, 1)), 0.01, 3)))
+    assert made.report.rules == 1
+    assert made.report.max_error < 1e-6
+    assert "with r in" in text(made)
+
+
+@pytest.mark.parametrize("amount", [0.5, 3])
 def test_noise_is_not_taken_for_a_pattern(amount: float) -> None:
     made = made_of(copies(leaf(5), jittered(row(50, (1.7, 1)), amount, 3)))
     flat = made_of(copies(leaf(5), jittered(row(50, (1.7, 1)), amount, 3)), flat=True)

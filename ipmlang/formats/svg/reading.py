@@ -67,7 +67,8 @@ def read_nodes(
     for node_id in node_ids:
         node = opened.document.by_id.get(node_id)
         if node is None:
-            raise FormatError(f"no element in {path} has the id `{node_id}`", hint=_known(opened))
+            where = "the file" if isinstance(path, bytes) else path
+            raise FormatError(f"no element in {where} has the id `{node_id}`", hint=_known(opened))
         found[node_id] = _drawing(opened, node)
     return found
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ipmlang.formats.drawing import ARC, CUBIC, LINE, QUADRATIC
 from ipmlang.inverse.lsystem.curves import Booleans, Curves, Integers
@@ -148,7 +149,7 @@ def _meet(end: Complexes, start: Complexes, room: Floats) -> Booleans:
     return np.asarray(np.abs(end - start) <= room)
 
 
-def _elevated(kind: Integers, points: Complexes) -> Complexes:
+def _elevated(kind: NDArray[np.uint8], points: Complexes) -> Complexes:
     """Quadratics as cubics."""
     result = points.copy()
     rows = kind == QUADRATIC
