@@ -43,7 +43,7 @@ from ipmlang.inverse.tolerances import Tolerances, relaxed, seen
 from ipmlang.inverse.upright import make_upright, settle_terminals
 
 LEAST_REGULAR = 0.3  # of the flat tokens: what is shorter needs no other look
-LEFT = 6  # placements of one symbol that a lattice could say
+LEFT = 4  # placements of one symbol that a lattice could say
 NOISE_TOKENS = 1.1  # times as many tokens a regular grammar with residuals may have
 FEW = 600  # elements for which a second look costs hardly any time
 MOST_SCATTERED = 6000  # symbols among which lattices are looked for

@@ -51,6 +51,7 @@ from ipmlang.inverse.score import (
     tree_tokens,
 )
 
+NESTED = 4  # tokens saved where a row of rows is written as one rule
 ROUNDS = 400  # a bound that no drawing should reach: each round makes the string shorter
 SHARE = 0.5  # a round takes candidates that save at least this share of the best one
 
@@ -319,6 +320,8 @@ class Search:
                 placement_tokens(join([run.lead for run in same]), self.alphabet.tolerance).sum()
             )
             rule = HEAD + counted + sequence_tokens(same[0].pattern)
+            if self.alphabet[int(self.string.symbol[same[0].first])].pattern is not None:
+                rule -= NESTED
             gain = float(saved - left - counted * len(same) - rule)
             if gain >= 1.0:
                 firsts = np.array([run.first for run in same], np.int64)
