@@ -24,7 +24,7 @@ from ipmlang.inverse.grammar_file import (
     symbol_names,
     write_grammar,
 )
-from ipmlang.inverse.lattice_choice import Memory, with_lattices
+from ipmlang.inverse.lattices.choice import Memory, with_lattices
 from ipmlang.inverse.lsystem.curves import moved
 from ipmlang.inverse.lsystem.importance import Measure
 from ipmlang.inverse.lsystem.journal import Journal

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ipmlang.compiler import ast
-from ipmlang.inverse.lattice_print import PLAIN, Handles, printed, whole
-from ipmlang.inverse.lattice_rule import Formula
+from ipmlang.inverse.lattices.formula import Formula
+from ipmlang.inverse.lattices.printing import PLAIN, Handles, printed, whole
 from ipmlang.inverse.lsystem.frames import Frames
 from ipmlang.inverse.moves import call, even_place, polar_place, turns, turtle_step
 from ipmlang.inverse.naming import Names

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ipmlang.inverse.lattice_rule import LatticeRule
+from ipmlang.inverse.lattices.formula import LatticeRule
 from ipmlang.inverse.lsystem.frames import (
     Frames,
     compose,

@@ -10,6 +10,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pytest
 
+from ipmlang.inverse.lattices.build import Lattice
+from ipmlang.inverse.lattices.find import find_lattices
 from ipmlang.inverse.lsystem.frames import (
     Complexes,
     Floats,
@@ -20,8 +22,6 @@ from ipmlang.inverse.lsystem.frames import (
     join,
     wrap,
 )
-from ipmlang.inverse.lsystem.lattice_build import Lattice
-from ipmlang.inverse.lsystem.lattices import find_lattices
 
 EXACT = 1e-4
 SQUARE = frames(

@@ -29,7 +29,7 @@ from ipmlang.inverse.recursion.branching import Branching
 from ipmlang.inverse.recursion.twigs import grow
 
 if TYPE_CHECKING:
-    from ipmlang.inverse.lattice_rule import LatticeRule
+    from ipmlang.inverse.lattices.formula import LatticeRule
 
 Integers = NDArray[np.int64]
 

@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ipmlang.inverse.lattices.cloud import SELDOM, Cloud, Integers, likely
+from ipmlang.inverse.lattices.models import TURN, Kind, Model, at, fit, spacing
 from ipmlang.inverse.lsystem.frames import Floats
-from ipmlang.inverse.lsystem.lattice_cloud import SELDOM, Cloud, Integers, likely
-from ipmlang.inverse.lsystem.lattice_models import TURN, Kind, Model, at, fit, spacing
 
 GAP = 3  # holes in a row that growing steps over
 HOLES = 0.34  # share of the nodes of a chain

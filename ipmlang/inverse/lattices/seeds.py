@@ -15,10 +15,10 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from ipmlang.inverse.lattices.chains import LATE, Chain, Mask, believable, grow
+from ipmlang.inverse.lattices.cloud import Cloud, Integers
+from ipmlang.inverse.lattices.models import TERMS, Kind, at, spacing, start
 from ipmlang.inverse.lsystem.frames import Complexes
-from ipmlang.inverse.lsystem.lattice_chains import LATE, Chain, Mask, believable, grow
-from ipmlang.inverse.lsystem.lattice_cloud import Cloud, Integers
-from ipmlang.inverse.lsystem.lattice_models import TERMS, Kind, at, spacing, start
 
 ATTEMPTS = 120  # seeds grown in one search
 SLACK = 4.0  # times the noise that a prediction from a seed may be off

@@ -12,16 +12,16 @@ from __future__ import annotations
 
 import numpy as np
 
+from ipmlang.inverse.lattices.build import Instances, Lattice, of_chain, of_net, of_rings
+from ipmlang.inverse.lattices.chains import Chain
+from ipmlang.inverse.lattices.cloud import Cloud, Integers, cloud
+from ipmlang.inverse.lattices.grids import find_nets
+from ipmlang.inverse.lattices.models import Model
+from ipmlang.inverse.lattices.nets import Net
+from ipmlang.inverse.lattices.rings import find_sunflowers, join_rings
+from ipmlang.inverse.lattices.seeds import find_bends, find_rows
 from ipmlang.inverse.lsystem.clusters import cluster
 from ipmlang.inverse.lsystem.frames import Complexes, Frames, mirrored
-from ipmlang.inverse.lsystem.lattice_build import Instances, Lattice, of_chain, of_net, of_rings
-from ipmlang.inverse.lsystem.lattice_chains import Chain
-from ipmlang.inverse.lsystem.lattice_cloud import Cloud, Integers, cloud
-from ipmlang.inverse.lsystem.lattice_grids import find_nets
-from ipmlang.inverse.lsystem.lattice_models import Model
-from ipmlang.inverse.lsystem.lattice_nets import Net
-from ipmlang.inverse.lsystem.lattice_rings import find_sunflowers, join_rings
-from ipmlang.inverse.lsystem.lattice_seeds import find_bends, find_rows
 
 LEAST = 3  # instances
 LAYERS = 4  # instances at one place that are looked at one after the other

@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ipmlang.inverse.lattices.chains import HOLES, Chain, Mask, believable, grow
+from ipmlang.inverse.lattices.cloud import Cloud, Integers
+from ipmlang.inverse.lattices.models import TURN, Model, at, centre, fit
 from ipmlang.inverse.lsystem.frames import Complexes, Floats
-from ipmlang.inverse.lsystem.lattice_chains import HOLES, Chain, Mask, believable, grow
-from ipmlang.inverse.lsystem.lattice_cloud import Cloud, Integers
-from ipmlang.inverse.lsystem.lattice_models import TURN, Model, at, centre, fit
 
 LEAST = 3  # rings that make a lattice
 INNER = 12  # members of a sunflower that it begins with

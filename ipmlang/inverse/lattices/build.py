@@ -12,14 +12,14 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
+from ipmlang.inverse.lattices.chains import Chain, closed, few_holes
+from ipmlang.inverse.lattices.cloud import Integers
+from ipmlang.inverse.lattices.columns import Column, Columns, Slack, fit_columns
+from ipmlang.inverse.lattices.models import TURN, Model, at, fit, renumbered
+from ipmlang.inverse.lattices.nets import Net, net_at, turned
+from ipmlang.inverse.lattices.order import OrderKind, across, along
+from ipmlang.inverse.lattices.rings import Rings, ring_order, rings_at, wound
 from ipmlang.inverse.lsystem.frames import Complexes, Floats, Frames, frames, mirrored, wrap
-from ipmlang.inverse.lsystem.lattice_chains import Chain, closed, few_holes
-from ipmlang.inverse.lsystem.lattice_cloud import Integers
-from ipmlang.inverse.lsystem.lattice_columns import Column, Columns, Slack, fit_columns
-from ipmlang.inverse.lsystem.lattice_models import TURN, Model, at, fit, renumbered
-from ipmlang.inverse.lsystem.lattice_nets import Net, net_at, turned
-from ipmlang.inverse.lsystem.lattice_order import OrderKind, across, along
-from ipmlang.inverse.lsystem.lattice_rings import Rings, ring_order, rings_at, wound
 
 LatticeKind: TypeAlias = Literal["row", "ring", "spiral", "grid", "nest"]
 Place: TypeAlias = Model | Net | Rings

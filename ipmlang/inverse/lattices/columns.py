@@ -15,8 +15,8 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from ipmlang.inverse.lattices.cloud import Integers
 from ipmlang.inverse.lsystem.frames import Floats, Frames
-from ipmlang.inverse.lsystem.lattice_cloud import Integers
 
 Mask: TypeAlias = NDArray[np.bool_]
 STRAYS = 0.2  # of the members may break the rule of a column

@@ -12,6 +12,10 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
+from ipmlang.inverse.lattices.build import Lattice
+from ipmlang.inverse.lattices.models import Model
+from ipmlang.inverse.lattices.nets import Net
+from ipmlang.inverse.lattices.rings import Rings
 from ipmlang.inverse.lsystem.frames import (
     Floats,
     Frames,
@@ -22,10 +26,6 @@ from ipmlang.inverse.lsystem.frames import (
     unit,
     wrap,
 )
-from ipmlang.inverse.lsystem.lattice_build import Lattice
-from ipmlang.inverse.lsystem.lattice_models import Model
-from ipmlang.inverse.lsystem.lattice_nets import Net
-from ipmlang.inverse.lsystem.lattice_rings import Rings
 from ipmlang.inverse.lsystem.symbols import Integers
 
 Radial: TypeAlias = Literal["even", "root", "power"]

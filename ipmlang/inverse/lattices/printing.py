@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ipmlang.compiler import ast
-from ipmlang.inverse.lattice_rule import COLUMNS, Formula, LatticeRule
+from ipmlang.inverse.lattices.formula import COLUMNS, Formula, LatticeRule
 from ipmlang.inverse.lsystem.frames import Floats, Frames
 from ipmlang.inverse.moves import call, turns
 from ipmlang.inverse.numbers import number, shortest

@@ -11,8 +11,8 @@ from typing import TypeAlias
 
 import numpy as np
 
+from ipmlang.inverse.lattices.cloud import Integers
 from ipmlang.inverse.lsystem.frames import Complexes, Floats
-from ipmlang.inverse.lsystem.lattice_cloud import Integers
 
 Fit: TypeAlias = tuple[complex, complex, complex]  # origin and both steps
 _STEPS = [(1, 0), (0, 1), (1, 1), (1, -1), (2, 1), (1, 2), (2, -1), (1, -2)]

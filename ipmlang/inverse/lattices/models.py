@@ -12,8 +12,8 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
+from ipmlang.inverse.lattices.cloud import Integers
 from ipmlang.inverse.lsystem.frames import Complexes, Floats
-from ipmlang.inverse.lsystem.lattice_cloud import Integers
 
 Kind: TypeAlias = Literal["line", "parabola", "ring", "log", "archimedes", "vogel"]
 TERMS: dict[Kind, int] = {

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ipmlang.inverse.lattices.chains import EARLY, LATE, Mask, tolerable
+from ipmlang.inverse.lattices.cloud import EVERY, SELDOM, Cloud, Integers, likely
+from ipmlang.inverse.lattices.nets import Fit, Net, presented, unstaggered
 from ipmlang.inverse.lsystem.frames import Complexes, Floats
-from ipmlang.inverse.lsystem.lattice_chains import EARLY, LATE, Mask, tolerable
-from ipmlang.inverse.lsystem.lattice_cloud import EVERY, SELDOM, Cloud, Integers, likely
-from ipmlang.inverse.lsystem.lattice_nets import Fit, Net, presented, unstaggered
 
 ATTEMPTS = 200
 SLACK = 4.0  # times the noise that a prediction from a seed may be off

@@ -9,7 +9,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from ipmlang.inverse.lsystem.lattice_cloud import Integers
+from ipmlang.inverse.lattices.cloud import Integers
 
 OrderKind: TypeAlias = Literal[
     "contiguous",

@@ -13,10 +13,10 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ipmlang.inverse.lattice_rule import LatticeRule, lattice_rule
+from ipmlang.inverse.lattices.build import Lattice
+from ipmlang.inverse.lattices.find import find_lattices
+from ipmlang.inverse.lattices.formula import LatticeRule, lattice_rule
 from ipmlang.inverse.lsystem.frames import Floats, Frames, compose, inverse
-from ipmlang.inverse.lsystem.lattice_build import Lattice
-from ipmlang.inverse.lsystem.lattices import find_lattices
 from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers, joined
 
 LEAST = 4  # placements of one symbol among which anything is looked for
