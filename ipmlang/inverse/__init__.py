@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 __all__ = ["Inference", "Report", "Weights", "infer"]
 
 Progress = Callable[[str], None]
+FARTHEST = 1e8  # times its size that a drawing may be away from the origin
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -131,7 +132,7 @@ def _check_method(path: Path, method: str) -> None:
     if path.suffix.lower() not in (".svg", ".svgz"):
         raise fail(
             "not-a-drawing",
-            f"`{path.name}` is no drawing that can be read yet",
+            f"`{path.name or path}` is no drawing that can be read yet",
             hint="grammars are inferred from .svg files",
         )
 
@@ -144,13 +145,27 @@ def _read(path: Path) -> Drawing:
     from ipmlang.formats.svg import read_svg, split_compound
 
     try:
-        return split_compound(read_svg(path))
+        drawing = split_compound(read_svg(path))
     except FormatError as error:
         place = f"{path}:{error.line}" if error.line is not None else str(path)
-        raise fail("unreadable", f"{place}: {error.message}", hint=error.hint) from error
+        said = str(path) in error.message
+        message = error.message if said else f"{place}: {error.message}"
+        raise fail("unreadable", message, hint=error.hint) from error
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise fail("unreadable", f"cannot read {path}: {reason}") from error
+    if drawing.box is not None and _is_far(drawing.box):
+        raise fail(
+            "unreadable",
+            f"{path}: the viewBox is so far from the origin that no number tells points apart",
+            hint="move the drawing nearer to the origin",
+        )
+    return drawing
+
+
+def _is_far(box: tuple[float, float, float, float]) -> bool:
+    x, y, width, height = box
+    return max(abs(x), abs(y)) > FARTHEST * max(width, height)
 
 
 def _notes(drawing: Drawing) -> tuple[str, ...]:

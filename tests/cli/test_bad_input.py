@@ -83,6 +83,7 @@ DRAWINGS: dict[str, Callable[[], str]] = {
     "style bomb": style_bomb,
     "not a number": lambda: f'{SVG} viewBox="0 0 nan 9"><rect width="inf" height="1e400"/></svg>',
     "huge coordinates": lambda: f'{SVG} viewBox="0 0 9 9"><path d="M1e300 0 2e300 1 Z"/></svg>',
+    "far away": lambda: f'{SVG} viewBox="0 1e39 9 9"><rect width="3" height="3"/></svg>',
     "empty box": lambda: f'{SVG} viewBox="0 0 0 0"><rect width="1" height="1"/></svg>',
     "singular": lambda: f'{SVG}><g transform="scale(0)"><rect width="1" height="1"/></g></svg>',
 }  # fmt: skip
