@@ -144,9 +144,15 @@ def best_grammar(
             again = [_searched(goal, way, say, memory, True) for way in _ways(goal)]
             found = _shorter(found, [each for each in again if each.book.lattices])
         attempts += _written_out(found, len(observed))
+        asked = options.paper or options.symmetrize
+        if not (found.book.lattices or asked):
+            # Few rules among many loose placements may cost more than they save: tables say less.
+            tabled = write_grammar(flat_book, replace(plain, use_tables=True))
+            none = _counts(flat_book, len(observed))
+            attempts.append(Attempt("tables", lambda: tabled, none, tabled.tokens))
         attempts.sort(key=lambda each: each.tokens)
         # The paper's pairs, and rows that noise and paint order make long, are what was asked for.
-        if not (options.paper or options.symmetrize):
+        if not asked:
             attempts = [each for each in attempts if each.tokens <= flat_tokens]
     none = _counts(flat_book, len(observed))
     finest = replace(plain, share=1e-15)

@@ -177,6 +177,14 @@ def test_noise_is_not_taken_for_a_pattern(amount: float) -> None:
     assert made.report.tokens_flat == flat.report.tokens_flat
 
 
+def test_steps_that_are_equal_by_chance_make_no_rule() -> None:
+    random = np.random.default_rng(7)
+    places = row(1500, (0, 0))
+    places[:, :2] = random.uniform(0, 100, (1500, 2)).round(2)
+    made = made_of(copies(circle(1), places))
+    assert made.report.rules == 0
+
+
 def test_uneven_steps_are_listed() -> None:
     placed = row(9, (0, 0), (5, 50))
     placed[:, 0] += np.cumsum([0, 8, 7, 8, 9, 8, 7, 7, 9])
