@@ -1,13 +1,19 @@
-"""What all tests share: where the real inputs lie, and the flag that rewrites goldens."""
+"""What all tests share: where the real inputs lie, the flag that rewrites goldens, and generated
+examples that are the same in every run, however slow the machine.
+"""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 ROOT = Path(__file__).resolve().parent.parent
 DATA = ROOT.parent / "shared" / "data"
+
+settings.register_profile("steady", derandomize=True, deadline=None)
+settings.load_profile("steady")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
