@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import IpmError, fail
-from ipmlang.compiler.format import format_grammar
 from ipmlang.formats.drawing import Drawing
 from ipmlang.inverse.compare import Comparison
 from ipmlang.inverse.deviations import rule_errors
@@ -123,7 +122,7 @@ def best_grammar(
     plain = Subject(observed, alone, stem, given.rounding, use_tables=False)
     flat_book = make_book(alone.alphabet, alone.string)
     flat_file = write_grammar(flat_book, plain)
-    flat_tokens = flat_file.tokens
+    flat_tokens, none = flat_file.tokens, _counts(flat_book, len(observed))
     if options.similarity < 1:
         goal = _ideal(goal, flat_file)
     attempts: list[Attempt] = []
@@ -148,13 +147,11 @@ def best_grammar(
         if not (found.book.lattices or asked):
             # Few rules among many loose placements may cost more than they save: tables say less.
             tabled = write_grammar(flat_book, replace(plain, use_tables=True))
-            none = _counts(flat_book, len(observed))
             attempts.append(Attempt("tables", lambda: tabled, none, tabled.tokens))
         attempts.sort(key=lambda each: each.tokens)
         # The paper's pairs, and rows that noise and paint order make long, are what was asked for.
         if not asked:
             attempts = [each for each in attempts if each.tokens <= flat_tokens]
-    none = _counts(flat_book, len(observed))
     finest = replace(plain, share=1e-15)
     attempts.append(Attempt("flat", lambda: flat_file, none, flat_tokens))
     attempts.append(Attempt("flat", lambda: write_grammar(flat_book, finest), none, flat_tokens))
@@ -188,8 +185,8 @@ def _ways(goal: Goal) -> list[Instanced]:
 
 def _ideal(goal: Goal, flat: Written) -> Goal:
     """With as much room for the proof as similar shapes need, each left in its place."""
-    text, given = format_grammar(flat.grammar), goal.given
-    alone = prove(goal.drawing, text, flat.parts(), goal.stem, 2 * given.proof)
+    given = goal.given
+    alone = prove(goal.drawing, flat.text, flat.parts(), goal.stem, 2 * given.proof)
     proof = max(given.proof, alone.max_error * (1 + 1e-6) + relaxed(goal.options.within or 0).proof)
     return replace(goal, given=replace(given, proof=proof))
 
@@ -278,8 +275,7 @@ def _first_right(
         written = attempt.write()
         parts = written.parts()
         try:
-            text = format_grammar(written.grammar)
-            comparison = prove(goal.drawing, text, parts, goal.stem, limit)
+            comparison = prove(goal.drawing, written.text, parts, goal.stem, limit)
         except IpmError:
             if attempt is attempts[-1]:
                 raise

@@ -10,6 +10,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -43,7 +44,7 @@ INLINE_ROWS = 24  # a longer table goes to the parts file
 SHARE = 1e-8  # of the diagonal: what one rounded number may move a point by
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Written:
     """The tree, what prints the parts file, how many cells that file's tables have, and what these
     weigh, see `weight`.
@@ -71,9 +72,9 @@ class Written:
         extra = sum(digits_weight(each) - 1 for each in numbers)
         return count_text_tokens(text) + extra + self.table_weight
 
-    @property
+    @cached_property
     def text(self) -> str:
-        """The grammar as it is written."""
+        """The grammar as it is written; laying it out takes time, so it is done once."""
         return format_grammar(self.grammar)
 
 

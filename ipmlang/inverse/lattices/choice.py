@@ -66,11 +66,12 @@ def choose_lattices(
     left = np.ones(len(string), np.bool_)
     chosen: list[LatticeRule] = []
     plain = string.wrap == string.wrap[0] if len(string) else left
+    tabled = _in_tables(string)
     for symbol in np.unique(string.symbol).tolist():
         for _ in range(ROUNDS):
             rows = np.flatnonzero((string.symbol == symbol) & left & plain)
             found = _lattices(alphabet, string, symbol, rows, noise, known)
-            made = list(_of_symbol(alphabet, string, symbol, rows, found, scattered))
+            made = list(_of_symbol(alphabet, string, symbol, rows, found, tabled, scattered))
             if not made:
                 break
             chosen += made
@@ -113,11 +114,13 @@ def _of_symbol(
     symbol: int,
     rows: Integers,
     found: list[Lattice],
+    tabled: NDArray[np.bool_],
     scattered: bool,
 ) -> Iterator[LatticeRule]:
-    """Lattices of one symbol that share no member, best first; `rows` are rows of the string."""
+    """Lattices of one symbol that share no member, best first; `rows` are rows of the string;
+    tabled: (n,) rows that would stand in tables.
+    """
     definition = alphabet[symbol]
-    tabled = _in_tables(string)
     used = np.zeros(len(string), np.bool_)
     for lattice in found:
         rule = lattice_rule(

@@ -144,11 +144,6 @@ class LatticeRule:
         """(m,) ranks of the members, by node."""
         return self.ranks[self.ranks >= 0]
 
-    @property
-    def follows(self) -> bool:
-        """The members follow each other in the order of the nodes."""
-        return bool((np.diff(self.drawn) > 0).all())
-
 
 def lattice_rule(
     part: int, lattice: Lattice, ranks: Integers, radius: float, tolerance: float
@@ -169,7 +164,6 @@ def lattice_rule(
     formula = _rounded(formula, node, chosen, tolerance)
     predicted = formula.frames()
     inside = compose(inverse(predicted[node]), chosen)
-    residual = identity(formula.count)
     columns = tuple(_needed(inside, chosen.scale, radius, tolerance))
     full = {name: np.zeros(formula.count) for name in COLUMNS} | {"scale": np.ones(formula.count)}
     for name in columns:
