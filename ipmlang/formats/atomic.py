@@ -2,7 +2,8 @@
 
 Takes the contents of all files of one result; each is written beside its target under a temporary
 name, and only when all are complete do they take their places. Trouble is a `FormatError` with a
-hint, and then no temporary file stays and no earlier file is lost. Never makes folders.
+hint, and then no temporary file stays and no earlier file is lost. Makes no folder but one that
+belongs to the result: beside another file of it.
 """
 
 from __future__ import annotations
@@ -30,10 +31,16 @@ def write_files(contents: Mapping[Path, Content]) -> None:
     """Write the files of one result together: all of them or none.
 
     Contents may be lazy (an iterable of parts); an error raised while making them leaves nothing
-    behind either. A target that is a device or a pipe is written directly.
+    behind either. A target that is a device or a pipe is written directly. A folder that is not
+    there is made if it stands beside another of the files.
     """
     staged: list[tuple[Path, Path]] = []
+    made: list[Path] = []
     try:
+        for folder in _missing_folders(contents):
+            with _explained(folder):
+                folder.mkdir()
+            made.append(folder)
         for path, content in contents.items():
             with _explained(path):
                 target = Path(os.path.realpath(path))
@@ -45,6 +52,16 @@ def write_files(contents: Mapping[Path, Content]) -> None:
     finally:
         for temporary, _ in staged:
             temporary.unlink(missing_ok=True)
+        for folder in made:
+            with contextlib.suppress(OSError):  # it holds files: the result is complete
+                folder.rmdir()
+
+
+def _missing_folders(contents: Mapping[Path, Content]) -> list[Path]:
+    """The folders to make: each beside a file of the same result."""
+    beside = {path.parent for path in contents}
+    parents = dict.fromkeys(path.parent for path in contents)
+    return [each for each in parents if each.parent in beside - {each} and not each.exists()]
 
 
 @contextlib.contextmanager

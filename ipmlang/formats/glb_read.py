@@ -1,13 +1,13 @@
 """GLB files to meshes and their copies, turned from y-up to z-up.
 
 Takes a path; gives one mesh a glTF mesh and one copy a node that shows it, with the node's name.
-Materials keep name and base colour. What cannot be read (an extension that the file requires, data
-in other files) is a `FormatError`, never silently empty.
+Materials keep name, base colour and its image. What cannot be read (an extension that the file
+requires, data in other files) is a `FormatError`, never silently empty.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from ipmlang.formats import FormatError
 from ipmlang.formats.drawing import Note
 from ipmlang.formats.glb_data import Container, Json, Object, open_glb, read_accessor, view_bytes
+from ipmlang.formats.glb_shades import Shades
 from ipmlang.formats.mesh_types import (
     Z_TO_Y,
-    Material,
     Mesh,
     MeshScene,
     merged,
@@ -36,13 +36,14 @@ _MODES = {4: "triangles", 5: "strip", 6: "fan"}
 _DEEPEST = 1000
 
 
-def read_glb(path: Path, node: str | None = None) -> MeshScene:
-    """The scene of a GLB file, or what one node of it shows: with the node's own transform, but
-    none of its parents'. A name may be a node's or a mesh's.
+def read_glb(path: Path, nodes: Sequence[str | None] = (None,)) -> list[MeshScene]:
+    """The scene of a GLB file for each None, and for each name what that node shows: with the
+    node's own transform, but none of its parents'. A name may be a node's or a mesh's.
     """
     file = open_glb(path.read_bytes())
     _check_extensions(file)
-    return _Reader(file).scene(node)
+    shades = Shades(file, path.parent)
+    return [_Reader(file, shades).scene(node) for node in nodes]
 
 
 def glb_names(path: Path) -> list[str]:
@@ -67,6 +68,7 @@ class _Reader:
     """The copies found so far, in the order of the file's nodes."""
 
     file: Container
+    shades: Shades
     mesh: list[int] = field(default_factory=list)
     matrix: list[Floats] = field(default_factory=list)
     name: list[str] = field(default_factory=list)
@@ -93,7 +95,7 @@ class _Reader:
             np.array([where[name] for name in self.name], np.int64),
             np.full(count, -1, np.int64),
             tuple(names),
-            notes=tuple(self.notes.values()),
+            notes=(*self.shades.notes, *self.notes.values()),
         )
 
     def _roots(self) -> list[int]:
@@ -188,21 +190,23 @@ class _Reader:
         if mode not in _MODES:
             self._note("not-a-surface", "points and lines of the model were left out")
             return None
-        vertices, uv, normals, order = self._values(primitive)
+        shade = self.shades.shade(primitive.get("material"))
+        vertices, uv, normals, order = self._values(primitive, shade.uv_set if shade else 0)
         if len(order) and (order.min() < 0 or order.max() >= len(vertices)):
             raise FormatError(f"a face names a vertex that is not among the {len(vertices)}")
         triangles = _triangles(order, str(_MODES[int(str(mode))]))
         made = triangle_mesh(vertices, triangles, name)
-        material = self._material(primitive.get("material"))
+        if shade is not None and uv is not None:
+            uv = uv @ shade.uv_matrix[:, :2].T + shade.uv_matrix[:, 2]
         made = Mesh(
             made.vertices,
             made.corners,
             made.offsets,
-            made.material if material is None else made.material * 0,
+            made.material if shade is None else made.material * 0,
             made.group,
-            () if material is None else (material,),
+            () if shade is None else (shade.material,),
             made.groups,
-            None if uv is None else uv[made.corners],
+            None if uv is None else _upward(uv)[made.corners],
             None if normals is None else normals[made.corners],
         )
         made, notes = without_bad_faces(made)
@@ -211,9 +215,9 @@ class _Reader:
         return made
 
     def _values(
-        self, primitive: Object
+        self, primitive: Object, uv_set: int
     ) -> tuple[Floats, Floats | None, Floats | None, NDArray[np.int64]]:
-        """Positions, texture points, normals, and the order of the corners."""
+        """Positions, texture points as they stand, normals, and the order of the corners."""
         extensions = primitive.get("extensions")
         packed = extensions.get(_DRACO) if isinstance(extensions, dict) else None
         attributes = primitive.get("attributes")
@@ -221,9 +225,10 @@ class _Reader:
             raise FormatError("a part of a mesh has no positions")
         if isinstance(packed, dict):
             return _draco(view_bytes(self.file, packed.get("bufferView"))[0])
+        texture_points = f"TEXCOORD_{uv_set}"
         columns = {
             name: read_accessor(self.file, attributes[name]) if name in attributes else None
-            for name in ("POSITION", "TEXCOORD_0", "NORMAL")
+            for name in ("POSITION", texture_points, "NORMAL")
         }
         vertices = columns["POSITION"]
         assert vertices is not None
@@ -232,33 +237,23 @@ class _Reader:
         for name, column in columns.items():
             if column is not None and len(column) != len(vertices):
                 raise FormatError(f"{name} has another count than the positions")
+        uv = columns[texture_points]
+        if uv is not None and uv.shape[1] != 2:
+            raise FormatError("texture coordinates have two numbers each")
         if "indices" in primitive:
             order = read_accessor(self.file, primitive["indices"])[:, 0].astype(np.int64)
         else:
             order = np.arange(len(vertices))
-        return vertices, columns["TEXCOORD_0"], columns["NORMAL"], order
-
-    def _material(self, index: Json) -> Material | None:
-        if index is None:
-            return None
-        material = self.file.item("materials", index)
-        metal = material.get("pbrMetallicRoughness")
-        factor = metal.get("baseColorFactor") if isinstance(metal, dict) else None
-        name = str(material.get("name") or f"material_{index}")
-        if not isinstance(factor, list) or len(factor) != 4:
-            return Material(name)
-        red, green, blue, opacity = (float(str(each)) for each in factor)
-        return Material(name, (shown(red), shown(green), shown(blue), opacity))
+        return vertices, uv, columns["NORMAL"], order
 
     def _note(self, code: str, message: str, count: int = 1) -> None:
         old = self.notes.get(code)
         self.notes[code] = Note(code, message, count + (old.count if old else 0))
 
 
-def shown(linear: float) -> float:
-    """A linear light value as sRGB, rounded so that `#rrggbb` colours come back as they were."""
-    value = 12.92 * linear if linear <= 0.0031308 else 1.055 * linear ** (1 / 2.4) - 0.055
-    return round(min(max(value, 0.0), 1.0), 6)
+def _upward(uv: Floats) -> Floats:
+    """Texture points whose v points down, as in glTF, with v pointing up."""
+    return uv * [1.0, -1.0] + [0.0, 1.0]
 
 
 def _indices(value: Json) -> list[int]:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.formats import FormatError
+from ipmlang.formats.glb_shades import Entry, shade_entries
 from ipmlang.formats.mesh_types import Material, Mesh, MeshScene, triangulated
 from ipmlang.formats.node_transforms import Transforms, decomposed
 
@@ -24,8 +25,6 @@ _FLOAT, _UINT, _USHORT = 5126, 5125, 5123
 _VERTICES, _INDICES = 34962, 34963
 _SHAPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
 _BATCH = 100_000
-
-Entry = dict[str, object]
 
 
 def glb_bytes(scene: MeshScene, *, instancing: bool = False) -> bytes:
@@ -74,20 +73,23 @@ class _File:
     materials: dict[Material, int] = field(default_factory=dict)
     parts: dict[int, list[tuple[int, Entry]]] = field(default_factory=dict)
 
+    def view(self, raw: bytes) -> int:
+        """Add bytes and give the number of the view on them."""
+        self.views.append({"buffer": 0, "byteOffset": self.size, "byteLength": len(raw)})
+        self.data.append(raw + b"\0" * (-len(raw) % 4))
+        self.size += len(self.data[-1])
+        return len(self.views) - 1
+
     def accessor(
         self, values: NDArray[np.generic], component: int, target: int = 0, bounds: bool = False
     ) -> int:
         """Add a column (n,) or table (n, width) and give its number."""
-        raw = np.ascontiguousarray(values).tobytes()
-        view: Entry = {"buffer": 0, "byteOffset": self.size, "byteLength": len(raw)}
+        view = self.view(np.ascontiguousarray(values).tobytes())
         if target:
-            view["target"] = target
-        self.views.append(view)
-        self.data.append(raw + b"\0" * (-len(raw) % 4))
-        self.size += len(self.data[-1])
+            self.views[view]["target"] = target
         width = values.shape[1] if values.ndim == 2 else 1
         entry: Entry = {
-            "bufferView": len(self.views) - 1,
+            "bufferView": view,
             "componentType": component,
             "count": len(values),
             "type": _SHAPES[width],
@@ -139,7 +141,8 @@ class _File:
         if mesh.normals is not None:
             attributes["NORMAL"] = self._floats(_unit(mesh.normals[corners[first]]))
         if mesh.uv is not None:
-            attributes["TEXCOORD_0"] = self._floats(mesh.uv[corners[first]])
+            downward = mesh.uv[corners[first]] * [1.0, -1.0] + [0.0, 1.0]  # as v goes in glTF
+            attributes["TEXCOORD_0"] = self._floats(downward)
         small = len(used) < 65_535
         indices = order.reshape(-1).astype("<u2" if small else "<u4")
         number = self.accessor(indices, _USHORT if small else _UINT, _INDICES)
@@ -161,7 +164,7 @@ class _File:
             "scene": 0,
             "scenes": [{"nodes": [0], **({"extras": extras} if extras else {})}],
             "meshes": meshes,
-            "materials": [_material(each) for each in self.materials],
+            **shade_entries(self.materials, self.view),
             "accessors": self.accessors,
             "bufferViews": self.views,
             "buffers": [{"byteLength": self.size}] if self.size else [],
@@ -183,23 +186,6 @@ def _chunks(text: bytes, data: bytes) -> bytes:
     if size >= 2**32:
         raise FormatError("the model is over 4 GB, more than a GLB can hold")
     return b"".join([struct.pack("<4sII", b"glTF", 2, size), *parts])
-
-
-def _material(material: Material) -> Entry:
-    """Matt and seen from both sides; light is linear in glTF."""
-    entry: Entry = {"name": material.name, "doubleSided": True}
-    metal: Entry = {"metallicFactor": 0, "roughnessFactor": 0.9}
-    if material.color is not None:
-        linear = [_linear(each) for each in material.color[:3]]
-        metal["baseColorFactor"] = [*linear, round(material.color[3], 6)]
-        if material.color[3] < 1:
-            entry["alphaMode"] = "BLEND"
-    return {**entry, "pbrMetallicRoughness": metal}
-
-
-def _linear(shown: float) -> float:
-    value = shown / 12.92 if shown <= 0.04045 else ((shown + 0.055) / 1.055) ** 2.4
-    return round(value, 8)
 
 
 def _unit(normals: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -7,7 +7,7 @@ each format.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -41,13 +41,19 @@ def mesh_names(path: Path | str) -> tuple[str, ...]:
 
 def read_meshes(path: Path | str, node: str | None = None) -> MeshScene:
     """A model with its copies, or the part of it that goes by a name."""
+    return read_parts(path, [node])[0]
+
+
+def read_parts(path: Path | str, nodes: Sequence[str | None]) -> list[MeshScene]:
+    """The parts of a model that go by these names (None: the whole), its file read once."""
     path = Path(path)
     # Broken files hold numbers of all kinds; those without a value are looked for afterwards.
     with _explained(path), np.errstate(all="ignore"):
-        scene = _read(path, node)
-    if not any(len(mesh.corners) for mesh in scene.meshes):
-        raise FormatError(f"there are no faces in {path.name}", hint=_why_empty(scene))
-    return scene
+        scenes = _read(path, nodes)
+    for scene in scenes:
+        if not any(len(mesh.corners) for mesh in scene.meshes):
+            raise FormatError(f"there are no faces in {path.name}", hint=_why_empty(scene))
+    return scenes
 
 
 def read_mesh(path: Path | str, node: str | None = None) -> Mesh:
@@ -86,12 +92,12 @@ def mesh_contents(
             raise FormatError(f"a model cannot be written as `{suffix}`")
 
 
-def _read(path: Path, node: str | None) -> MeshScene:
+def _read(path: Path, nodes: Sequence[str | None]) -> list[MeshScene]:
     match _suffix(path):
         case ".glb":
             from ipmlang.formats.glb_read import read_glb
 
-            return read_glb(path, node)
+            return read_glb(path, nodes)
         case ".obj":
             from ipmlang.formats.obj_read import read_obj
 
@@ -108,7 +114,7 @@ def _read(path: Path, node: str | None) -> MeshScene:
             from ipmlang.formats.off import read_off
 
             scene = read_off(path)
-    return scene if node is None else _part(scene, node)
+    return [scene if node is None else _part(scene, node) for node in nodes]
 
 
 def _part(scene: MeshScene, node: str) -> MeshScene:

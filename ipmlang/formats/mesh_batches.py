@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.formats.mesh_types import (
+    UNCOLORED,
     Z_TO_Y,
     Floats,
     Indices,
@@ -25,8 +26,6 @@ from ipmlang.formats.mesh_types import (
 
 Colors: TypeAlias = NDArray[np.uint8]
 
-UNCOLORED = (0.8, 0.8, 0.8, 1.0)
-"""What is shown where nothing says a colour."""
 _BATCH = 300_000  # vertices made at a time
 
 

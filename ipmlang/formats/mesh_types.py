@@ -8,14 +8,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.formats.drawing import Note
+from ipmlang.formats.textures import Texture
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
+Color: TypeAlias = tuple[float, float, float, float]
+Alpha: TypeAlias = Literal["", "MASK", "BLEND"]
+
+UNCOLORED: Color = (0.8, 0.8, 0.8, 1.0)
+"""What is shown where nothing says a colour."""
 
 Z_TO_Y = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
 """Turns a z-up model to y-up: (x, y, z) to (x, z, -y). Its transpose turns back."""
@@ -23,10 +30,17 @@ Z_TO_Y = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
 
 @dataclass(frozen=True, slots=True)
 class Material:
-    """A name and a colour: red, green, blue and opacity, 0 to 1, as shown on a screen (sRGB)."""
+    """A name and a colour: red, green, blue and opacity, 0 to 1, as shown on a screen (sRGB).
+
+    `texture`: an image that the colour is multiplied with, laid by the corners' texture
+    coordinates and repeated. `alpha`: what the image's own opacity does: nothing, cut out, or
+    let through.
+    """
 
     name: str
-    color: tuple[float, float, float, float] | None = None
+    color: Color | None = None
+    texture: Texture | None = None
+    alpha: Alpha = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,7 +50,8 @@ class Mesh:
     vertices (v, 3) f64; corners (c,) the faces' vertices one after the other; offsets (f + 1,)
     where each face's corners begin; material (f,) index into materials, -1 for none; group (f,)
     index into groups, each the names that a face goes by (its object, then its groups); uv (c, 2)
-    and normals (c, 3) belong to corners, None if the file had none.
+    and normals (c, 3) belong to corners, None if the file had none. uv: u right and v up, an
+    image fills 0 to 1; 0 for corners without any in a mesh where others have some.
     """
 
     vertices: Floats
@@ -109,33 +124,36 @@ def triangulated(mesh: Mesh) -> tuple[Indices, Indices]:
     parts, owners = [fans], [face]
     for index in many.tolist():
         begin, end = mesh.offsets[index : index + 2].tolist()
-        ears = _ears(mesh.vertices[mesh.corners[begin:end]])
-        parts.append(ears + begin)
-        owners.append(np.full(len(ears), index))
+        cut = ears(mesh.vertices[mesh.corners[begin:end]])
+        parts.append(cut + begin)
+        owners.append(np.full(len(cut), index))
     owner = np.concatenate(owners)
     order = np.argsort(owner, kind="stable")
     return np.concatenate(parts)[order], owner[order]
 
 
-def _ears(points: Floats) -> Indices:
-    """Triangles (t, 3) of a polygon (m, 3) that is flat or nearly so, oriented as it is."""
+def ears(points: Floats, ends: Indices | None = None) -> Indices:
+    """Triangles (t, 3) of a polygon (m, 3) that is flat or nearly so, oriented as it is. `ends`:
+    where each of its rings ends if it has holes; the first is its outline.
+    """
     import mapbox_earcut
 
-    turned = np.roll(points, -1, axis=0)
-    normal = np.cross(points - points[0], turned - points[0]).sum(axis=0)
+    ends = np.array([len(points)]) if ends is None else ends
+    outline = points[: ends[0]]
+    normal = np.cross(outline - outline[0], np.roll(outline, -1, axis=0) - outline[0]).sum(axis=0)
     axis = int(np.argmax(np.abs(normal)))
     flat = np.delete(points, axis, axis=1)
     if (normal[axis] < 0) != (axis == 1):
         flat = flat[:, ::-1]
     flat = np.ascontiguousarray(flat)
-    found = mapbox_earcut.triangulate_float64(flat, np.array([len(flat)], np.uint32))
-    ears = np.asarray(found, np.int64).reshape(-1, 3)
-    if not len(ears):  # a face without area still has its corners
-        steps = np.arange(1, len(points) - 1)
+    found = mapbox_earcut.triangulate_float64(flat, ends.astype(np.uint32))
+    cut = np.asarray(found, np.int64).reshape(-1, 3)
+    if not len(cut):  # a face without area still has its corners
+        steps = np.arange(1, ends[0] - 1)
         return np.stack([np.zeros_like(steps), steps, steps + 1], axis=1)
-    a, b, c = (flat[ears[:, k]] for k in range(3))
+    a, b, c = (flat[cut[:, k]] for k in range(3))
     area = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
-    return np.where((area < 0)[:, None], ears[:, ::-1], ears)
+    return np.where((area < 0)[:, None], cut[:, ::-1], cut)
 
 
 def chosen_faces(mesh: Mesh, keep: NDArray[np.bool_]) -> Mesh:
@@ -235,9 +253,17 @@ def merged(meshes: list[Mesh]) -> Mesh:
         np.concatenate([np.zeros(0, np.int64), *group]),
         tuple(materials),
         tuple(groups) or ((),),
-        _joined([mesh.uv for mesh in meshes]),
+        _joined_uv(meshes),
         _joined([mesh.normals for mesh in meshes]),
     )
+
+
+def _joined_uv(meshes: list[Mesh]) -> Floats | None:
+    """The texture coordinates of all corners, 0 where a mesh has none; None if none has any."""
+    if all(mesh.uv is None for mesh in meshes):
+        return None
+    columns = (np.zeros((len(mesh.corners), 2)) if mesh.uv is None else mesh.uv for mesh in meshes)
+    return np.concatenate(list(columns))
 
 
 def _joined(columns: list[Floats | None]) -> Floats | None:

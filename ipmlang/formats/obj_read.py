@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from ipmlang.formats import FormatError
 from ipmlang.formats.drawing import Note
-from ipmlang.formats.mesh_types import Material, Mesh, MeshScene, single, without_bad_faces
+from ipmlang.formats.mesh_types import Mesh, MeshScene, single, without_bad_faces
+from ipmlang.formats.mtl import Library, Shade, read_library
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -45,20 +46,22 @@ def read_obj(path: Path) -> MeshScene:
     textures = _numbers(*lines.textures, 2)
     normals = _numbers(*lines.normals, 3)
     counts, corners = _corners(lines, (len(vertices), len(textures), len(normals)))
-    material, materials, group, groups = _labels(lines, path)
+    material, group, groups, named = _labels(lines)
+    library = _libraries(lines, path.parent)
+    shades = [library.shades.get(each, Shade()) for each in named]
     mesh = Mesh(
         vertices,
         corners[:, 0],
         np.concatenate([[0], np.cumsum(counts)]).astype(np.int64),
         material,
         group,
-        materials,
+        tuple(shade.material(name) for name, shade in zip(named, shades, strict=True)),
         groups,
-        textures[corners[:, 1], :2] if len(corners) and corners[:, 1].min() >= 0 else None,
+        _uv(textures, corners[:, 1], np.repeat(material, counts), shades),
         normals[corners[:, 2]] if len(corners) and corners[:, 2].min() >= 0 else None,
     )
     mesh, notes = without_bad_faces(mesh)
-    return single(mesh, path.stem, (*notes, *_remarks(mesh)))
+    return single(mesh, path.stem, (*library.notes, *notes, *_remarks(mesh)))
 
 
 def obj_names(path: Path) -> list[str]:
@@ -216,11 +219,10 @@ def _resolve(column: Ints, line: Ints, place: Ints, size: int, which: int) -> No
     column -= 1
 
 
-def _labels(
-    lines: _Lines, path: Path
-) -> tuple[Ints, tuple[Material, ...], Ints, tuple[tuple[str, ...], ...]]:
-    """Material and names of each face, from the lines that stand before it."""
-    known: dict[str, tuple[float, float, float, float]] = {}
+def _labels(lines: _Lines) -> tuple[Ints, Ints, tuple[tuple[str, ...], ...], list[str]]:
+    """Material and group of each face, from the lines that stand before it; all groups, and the
+    names of all materials.
+    """
     materials: dict[str, int] = {}
     groups: dict[tuple[str, ...], int] = {}
     marks, states = [-1], [(-1, groups.setdefault((), 0))]
@@ -230,7 +232,6 @@ def _labels(
     for number, word, rest in lines.named:
         match word:
             case "mtllib":
-                known.update(_library(path.parent, rest))
                 continue
             case "usemtl":
                 material = materials.setdefault(rest, len(materials))
@@ -242,8 +243,19 @@ def _labels(
         states.append((material, groups.setdefault((*name, *parts), len(groups))))
     row = np.searchsorted(np.array(marks), lines.faces[0]) - 1
     table = np.array(states, np.int64)[row].reshape(-1, 2)
-    listed = tuple(Material(each, known.get(each)) for each in materials)
-    return table[:, 0], listed, table[:, 1], tuple(groups)
+    return table[:, 0], table[:, 1], tuple(groups), list(materials)
+
+
+def _uv(textures: Floats, chosen: Ints, material: Ints, shades: list[Shade]) -> Floats | None:
+    """Texture coordinates of all corners (c, 2), 0 for those without; None if all are without."""
+    if not len(chosen) or chosen.max() < 0:
+        return None
+    uv = np.where(chosen[:, None] < 0, 0.0, textures[chosen])
+    if any((shade.scale, shade.offset) != (Shade().scale, Shade().offset) for shade in shades):
+        scale = np.array([*(shade.scale for shade in shades), (1.0, 1.0)])
+        offset = np.array([*(shade.offset for shade in shades), (0.0, 0.0)])
+        uv = uv * scale[material] + offset[material]
+    return uv
 
 
 def _given_names(word: str, rest: str) -> list[str]:
@@ -253,27 +265,22 @@ def _given_names(word: str, rest: str) -> list[str]:
     return [each for each in rest.split() if each != "default"]
 
 
-def _library(folder: Path, name: str) -> dict[str, tuple[float, float, float, float]]:
-    """Colours of a material library beside the model; nothing if it is not there."""
+def _libraries(lines: _Lines, folder: Path) -> Library:
+    """All libraries that the file names; of a name given twice the later counts."""
+    found = Library()
+    for rest in dict.fromkeys(rest for _, word, rest in lines.named if word == "mtllib"):
+        one = _library(folder, rest)
+        found.shades.update(one.shades)
+        found.notes += one.notes
+    return found
+
+
+def _library(folder: Path, name: str) -> Library:
+    """The material library of that name beside the model; nothing if it is not there."""
     path = folder / name
     if not name or Path(name).name != name or not path.is_file():
-        return {}
-    colors: dict[str, tuple[float, float, float, float]] = {}
-    current, opacity = "", 1.0
-    for line in _text(path.read_bytes()).split("\n"):
-        words = line.split()
-        try:
-            match words:
-                case ["newmtl", *rest]:
-                    current, opacity = " ".join(rest), 1.0
-                case ["Kd", red, green, blue]:
-                    colors[current] = (float(red), float(green), float(blue), opacity)
-                case ["d", value] if current in colors:
-                    opacity = float(value)
-                    colors[current] = (*colors[current][:3], opacity)
-        except ValueError:
-            continue
-    return colors
+        return Library()
+    return read_library(folder, _text(path.read_bytes()))
 
 
 def _remarks(mesh: Mesh) -> tuple[Note, ...]:

@@ -16,23 +16,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.formats.atomic import Content
-from ipmlang.formats.mesh_batches import UNCOLORED, Batch, batches
-from ipmlang.formats.mesh_types import Indices, Material, Mesh, MeshScene
-from ipmlang.formats.numbers import decimal_text
+from ipmlang.formats.mesh_batches import Batch, batches
+from ipmlang.formats.mesh_types import UNCOLORED, Indices, Material, Mesh, MeshScene
+from ipmlang.formats.mtl import library_contents
 
-_NO_MATERIAL = Material("default", (0.8, 0.8, 0.8, 1.0))
+_NO_MATERIAL = Material("default", UNCOLORED)
 
 
 def obj_contents(
     scene: MeshScene, path: Path, *, up: Literal["y-up", "z-up"] = "z-up"
 ) -> Mapping[Path, Content]:
-    """The model's text, and that of its material library if some face has a material."""
+    """The model's text, and if some face has a material its library's and the images of that."""
     materials = _materials(scene)
     if not materials:
         return {path: _model(scene, up, "", {})}
     library = path.with_suffix(".mtl")
     names = {material: name for name, material in materials.items()}
-    return {path: _model(scene, up, library.name, names), library: _library(materials)}
+    text, images = library_contents({**materials, _NO_MATERIAL.name: _NO_MATERIAL}, path)
+    return {path: _model(scene, up, library.name, names), library: text, **images}
 
 
 def _materials(scene: MeshScene) -> dict[str, Material]:
@@ -46,15 +47,6 @@ def _materials(scene: MeshScene) -> dict[str, Material]:
             name, number = f"{stem}_{number}", number + 1
         named[name] = material
     return named
-
-
-def _library(materials: Mapping[str, Material]) -> str:
-    lines = ["# written by ipmlang"]
-    for name, material in {**materials, _NO_MATERIAL.name: _NO_MATERIAL}.items():
-        red, green, blue, opacity = material.color or UNCOLORED
-        color = " ".join(decimal_text(each, 7) for each in (red, green, blue))
-        lines += [f"newmtl {name}", f"Kd {color}", f"d {decimal_text(opacity, 7)}"]
-    return "\n".join(lines) + "\n"
 
 
 def _model(

@@ -14,9 +14,12 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ipmlang.geometry.solid import Solid
+
 SEGMENT = -1  # `asset` of a drawn turtle segment: from the frame's origin along its x by size[0]
 OUTLINE = -2  # `asset` of a turtle polygon: `shape` indexes Scene.polygons
 SCOPE = -3  # `asset` of a terminal without geometry of its own: its box is drawn
+SOLID = -4  # `asset` of a terminal with geometry: `shape` indexes Scene.solids
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,8 +40,9 @@ class Instances:
     position (n, 3) f64; rotation (n, 4) f64 unit quaternion w, x, y, z; scale (n,) f64, its sign is
     the handedness (negative: local x is mirrored first, then scaled by |scale|, then rotated);
     size (n, 3) f64, in units of the frame (a segment's length is size[:, 0] * |scale|);
-    asset (n,) int32 index into Scene.assets, or SEGMENT, OUTLINE, SCOPE;
-    shape (n,) int32 index into Scene.polygons for OUTLINE rows, else -1;
+    asset (n,) int32 index into Scene.assets, or SEGMENT, OUTLINE, SCOPE, SOLID;
+    shape (n,) int32 index into Scene.polygons for OUTLINE rows, into Scene.solids for SOLID rows,
+    else -1;
     style (n,) int32 index into Scene.styles; width (n,) f32 in file units, NaN where the pen sets
     none; color (n,) u32 0xRRGGBBAA, 0 where the pen sets none; layer (n,) f64 paint order, stable
     ties by row; label (n,) int32 index into Scene.labels (the terminal's symbol); rule (n,) int32
@@ -110,7 +114,8 @@ class Origin:
 class Scene:
     """Everything an exporter needs. `flat`: nothing leaves z = 0. `canvas`: x, y, width,
     height, y up. `shapes`: the start, all modules made whose symbols have rules, and all terminals.
-    `groups`: what `effect` wraps, None where nothing does.
+    `groups`: what `effect` wraps, None where nothing does. `solids`: geometry in the unit box of
+    its scope; a row's size stretches it, along an axis of size 0 by 1.
     """
 
     instances: Instances
@@ -130,3 +135,4 @@ class Scene:
     seconds: float = 0.0
     notes: tuple[str, ...] = field(default=())
     groups: Groups | None = None
+    solids: tuple[Solid, ...] = ()

@@ -1,4 +1,4 @@
-"""A scene as meshes and their copies: segments as cylinders, scopes as boxes, assets as they are.
+"""A scene as meshes and their copies: segments as cylinders, scopes as boxes, assets and solids.
 
 In goes the instance table, out comes a `MeshScene` of `formats.mesh_types`; every row becomes at
 most one copy, and no mesh is made twice. Nothing is derived and nothing is written here.
@@ -13,12 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.compiler.diagnostics import fail
-from ipmlang.formats import FormatError
 from ipmlang.formats.drawing import Note
-from ipmlang.formats.mesh_types import Material, Mesh, MeshScene, baked, triangle_mesh
+from ipmlang.formats.mesh_types import Material, Mesh, MeshScene, triangle_mesh
+from ipmlang.runtime.export.fitting import fitted_matrices
+from ipmlang.runtime.export.model_assets import model_assets
 from ipmlang.runtime.export.pens import hex_color
 from ipmlang.runtime.export.placing import frame_matrices
-from ipmlang.runtime.scene import OUTLINE, SCOPE, SEGMENT, AssetRef, Scene
+from ipmlang.runtime.export.solids import solid_mesh
+from ipmlang.runtime.scene import OUTLINE, SCOPE, SEGMENT, SOLID, Scene
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -41,7 +43,7 @@ class _Model:
     mesh: list[NDArray[np.int64]] = field(default_factory=list)
     matrix: list[Floats] = field(default_factory=list)
     row: list[Rows] = field(default_factory=list)
-    notes: list[Note] = field(default_factory=list)
+    notes: tuple[Note, ...] = ()
 
     def mesh_scene(self) -> MeshScene:
         table = self.scene.instances
@@ -49,13 +51,13 @@ class _Model:
             SEGMENT: self._segments,
             OUTLINE: self._polygons,
             SCOPE: self._scopes,
+            SOLID: self._solids,
         }
-        for kind in np.unique(table.asset).tolist():
-            rows = np.flatnonzero(table.asset == kind)
+        kinds = np.unique(table.asset).tolist()
+        for kind in kinds:
             if kind in draw:
-                draw[kind](rows)
-            else:
-                self._add(self._asset(self.scene.assets[kind]), rows, frame_matrices(table, rows))
+                draw[kind](np.flatnonzero(table.asset == kind))
+        self._assets([kind for kind in kinds if kind >= 0])
         if not self.row:
             raise fail("nothing-drawn", "this grammar draws nothing, so there is no model to write")
         row = np.concatenate(self.row)
@@ -74,7 +76,7 @@ class _Model:
             table.key[row],
             tuple(origin.rule for origin in self.scene.rules),
             {"seed": self.scene.seed},
-            tuple(self.notes),
+            self.notes,
         )
 
     def _add(self, mesh: Mesh, rows: Rows, matrices: Floats) -> None:
@@ -134,22 +136,28 @@ class _Model:
             )
             self._add(face, np.array([row]), np.eye(3, 4)[None])
 
-    def _asset(self, asset: AssetRef) -> Mesh:
-        from ipmlang.formats.mesh import read_meshes
+    def _solids(self, rows: Rows) -> None:
+        """Each solid once, stretched along the axes of the scopes that hold it."""
+        table = self.scene.instances
+        size = table.size[rows]
+        matrices = frame_matrices(table, rows)
+        matrices[:, :, :3] *= np.where(size == 0, 1.0, size)[:, None, :]
+        used, number = np.unique(table.shape[rows], return_inverse=True)
+        self.mesh.append(number.reshape(-1) + len(self.meshes))
+        self.meshes += [solid_mesh(self.scene.solids[each]) for each in used.tolist()]
+        self.matrix.append(matrices)
+        self.row.append(rows)
 
-        if asset.path.suffix.lower() in (".svg", ".svgz"):
-            raise fail(
-                "not-a-model",
-                f"the asset `{asset.name}` is a drawing: {asset.path.name}",
-                hint="write .svg or .png; a model takes assets from glb, obj, ply and stl files",
-            )
-        try:
-            found = read_meshes(asset.path, asset.node)
-        except FormatError as error:
-            place = f"{asset.path.name}:{error.line}" if error.line else asset.path.name
-            raise fail("bad-asset", f"{place}: {error.message}", hint=error.hint) from error
-        self.notes += found.notes
-        return baked(found)
+    def _assets(self, kinds: list[int]) -> None:
+        """Assets where their rows stand, fitted into the scopes that have a size."""
+        table = self.scene.instances
+        meshes, self.notes = model_assets(self.scene.assets[kind] for kind in kinds)
+        for kind in kinds:
+            mesh = meshes[self.scene.assets[kind]]
+            used = mesh.vertices[mesh.corners]
+            rows = np.flatnonzero(table.asset == kind)
+            placed = fitted_matrices(table, rows, used.min(axis=0), used.max(axis=0))
+            self._add(mesh, rows, placed)
 
     def _materials(self, row: Rows) -> tuple[NDArray[np.int64], tuple[Material, ...]]:
         """What the pen sets for each copy: a named material, a colour, both, or neither (-1)."""
