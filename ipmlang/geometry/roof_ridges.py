@@ -1,0 +1,104 @@
+"""Which way a roof's ridge runs, and which edges of a footprint bear its gables.
+
+In go the rings of a footprint; out come a direction and numbers of edges. Nothing is built here.
+"""
+
+from __future__ import annotations
+
+from math import cos, radians, sin
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.geometry.skeleton import straight_skeleton
+from ipmlang.geometry.solid import Floats
+
+STRAIGHT = 1e-6  # the sine up to which two edges are one side of a building
+FACING = -0.6  # the cosine up to which the two sides beside a gable face each other
+ACROSS = (0.5, 0.766)  # cosines to the ridge that a gable may have: 60 degrees, else 40
+
+
+def direction(degrees: float) -> tuple[float, float]:
+    """The unit vector at an angle from the x axis."""
+    return cos(radians(degrees)), sin(radians(degrees))
+
+
+def longest_direction(outline: Floats) -> tuple[float, float]:
+    """Along the longer side of the smallest box around an outline (n, 2); a square's first side."""
+    along = _directions(outline)
+    on = outline @ along.T
+    across = outline @ np.stack([-along[:, 1], along[:, 0]])
+    width, depth = np.ptp(on, axis=0), np.ptp(across, axis=0)
+    areas = width * depth
+    best = int(np.flatnonzero(areas <= areas.min() * (1 + 1e-9))[0])
+    x, y = along[best].tolist()
+    return (x, y) if width[best] >= depth[best] * (1 - 1e-9) else (-y, x)
+
+
+def _directions(ring: Floats) -> Floats:
+    onward = np.roll(ring, -1, axis=0) - ring
+    return np.asarray(onward / np.hypot(onward[:, 0], onward[:, 1])[:, None])
+
+
+def gable_edges(rings: list[Floats], ridge: float | None) -> set[int]:
+    """The edges, by their number in the outline, that bear gables; never two that touch.
+
+    Without a direction (degrees) each wing ends in a gable: every side whose face in a hip roof
+    is a triangle between sides that face each other. With one, or if there is no such side, those
+    between convex corners that run across the ridge, the most exactly first.
+    """
+    sides = _sides(rings[0])
+    corners = rings[0][[side[0] for side in sides]]
+    along = _directions(corners)
+    chosen = direction(ridge) if ridge is not None else longest_direction(corners)
+    slant = np.abs(along @ np.array(chosen))
+    turn = _cross(np.roll(along, 1, axis=0), along)
+    convex = (turn > 0) & (np.roll(turn, -1) > 0)
+    picked: list[int] = []
+    if ridge is None:
+        facing = (
+            np.einsum("ij,ij->i", np.roll(along, 1, axis=0), np.roll(along, -1, axis=0)) < FACING
+        )
+        faces = straight_skeleton([corners, *rings[1:]]).faces
+        triangular = np.array([len(face) == 3 for face in faces[: len(sides)]])
+        picked = _apart(convex & facing & triangular, slant, along)
+    for limit in ACROSS:
+        picked = picked or _apart(convex & (slant <= limit), slant, along)
+    return {edge for side in picked for edge in sides[side]}
+
+
+def _cross(a: Floats, b: Floats) -> Floats:
+    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+
+
+def _sides(outline: Floats) -> list[list[int]]:
+    """Edges that follow each other in one line, together."""
+    along = _directions(outline)
+    before = np.roll(along, 1, axis=0)
+    bends = (np.abs(_cross(before, along)) > STRAIGHT) | ((before * along).sum(axis=1) < 0)
+    starts = np.flatnonzero(bends).tolist()
+    count = len(outline)
+    return [
+        [k % count for k in range(start, start + ((end - start) % count or count))]
+        for start, end in zip(starts, starts[1:] + starts[:1], strict=True)
+    ]
+
+
+def _apart(sides: NDArray[np.bool_], slant: Floats, along: Floats) -> list[int]:
+    """Of some sides those that stand apart, the most upright on the ridge before the others.
+
+    Of a row of such sides that bends little by little, as on a round building, there is only one.
+    """
+    row = np.cumsum(~sides)
+    row[row == row[-1]] = 0  # the last row runs on into the first
+    picked: list[int] = []
+    for side in sorted(
+        np.flatnonzero(sides).tolist(), key=lambda k: (round(float(slant[k]), 6), k)
+    ):
+        if not any(
+            (side - other) % len(slant) in (1, len(slant) - 1)
+            or (row[side] == row[other] and along[side] @ along[other] > 0)
+            for other in picked
+        ):
+            picked.append(side)
+    return picked

@@ -1,0 +1,121 @@
+"""The rings of a polygon made fit for a skeleton: turned the right way, without what has no length.
+
+In go rings of points as they come; out come rings of corners that know which edge they came from,
+outlines counter-clockwise and holes clockwise. What no repair can read, such as a polygon that
+crosses itself, raises GeometryError.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipmlang.geometry.solid import Floats, GeometryError
+
+SAME = 1e-9  # points nearer than this part of the polygon's size are one
+
+
+@dataclass(frozen=True, slots=True)
+class Ring:
+    """points (n, 2), and for each the number of the input's edge that begins there."""
+
+    points: Floats
+    edges: list[int]
+
+
+def fit_rings(rings: Sequence[Floats | Sequence[Sequence[float]]]) -> list[Ring]:
+    """The rings, cleaned; the first is the outline. Edges are numbered through all rings.
+
+    Raises GeometryError for a polygon without area, that crosses itself, or whose holes lie
+    outside it.
+    """
+    arrays = [np.asarray(ring, np.float64) for ring in rings]
+    if not arrays or any(each.ndim != 2 or each.shape[1] != 2 for each in arrays):
+        raise GeometryError("a polygon needs rings of points in the plane")
+    everything = np.concatenate(arrays)
+    if not np.isfinite(everything).all():
+        raise GeometryError("a polygon's points must be numbers")
+    size = float(np.ptp(everything, axis=0).max()) if len(everything) else 0.0
+    found: list[Ring] = []
+    first = 0
+    for number, points in enumerate(arrays):
+        ring = _cleaned(points, first, SAME * size)
+        first += len(points)
+        if ring is not None:
+            found.append(_turned(ring, number == 0))
+        elif number == 0:
+            raise GeometryError("the polygon has no area", "it needs three corners or more")
+    _check_crossings(found, SAME * size)
+    return found
+
+
+def _cleaned(points: Floats, first: int, same: float) -> Ring | None:
+    """A ring without points that repeat and without spikes, or None where nothing is left."""
+    corners = [(float(x), float(y), first + k) for k, (x, y) in enumerate(points)]
+    at = 0
+    while len(corners) >= 3 and at < len(corners):
+        (ax, ay, one), (bx, by, two) = corners[at - 1], corners[at]
+        cx, cy, _ = corners[(at + 1) % len(corners)]
+        px, py, qx, qy = bx - ax, by - ay, cx - bx, cy - by
+        p, q = (px * px + py * py) ** 0.5, (qx * qx + qy * qy) ** 0.5
+        if q <= same:
+            del corners[(at + 1) % len(corners)]
+            corners[at - (at == len(corners))] = (bx, by, _)
+        elif p > same and px * qx + py * qy < 0 and abs(px * qy - py * qx) <= same * max(p, q):
+            corners[at - 1] = (ax, ay, one if p > q else two)
+            del corners[at]
+        else:
+            at += 1
+            continue
+        at = max(at - 2, 0)
+    if len(corners) < 3:
+        return None
+    ring = Ring(np.array([corner[:2] for corner in corners]), [corner[2] for corner in corners])
+    return ring if abs(signed_area(ring.points)) > same * same else None
+
+
+def signed_area(points: Floats) -> float:
+    """The area within a ring (n, 2), negative where it runs clockwise."""
+    x, y = (points - points[0]).T
+    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
+
+
+def _turned(ring: Ring, left: bool) -> Ring:
+    """The ring, counter-clockwise or clockwise."""
+    return ring if (signed_area(ring.points) > 0) == left else reversed_ring(ring)
+
+
+def reversed_ring(ring: Ring) -> Ring:
+    """The ring the other way round, its edges still the input's."""
+    edges = ring.edges[-2::-1] + ring.edges[-1:]
+    return Ring(ring.points[::-1], edges)
+
+
+def _check_crossings(rings: list[Ring], slack: float) -> None:
+    a = np.concatenate([ring.points for ring in rings])
+    b = np.concatenate([np.roll(ring.points, -1, axis=0) for ring in rings])
+    d = b - a
+    d = d / np.hypot(d[:, 0], d[:, 1])[:, None]
+    ours = d[:, 0] * a[:, 1] - d[:, 1] * a[:, 0]
+    one = np.outer(d[:, 0], a[:, 1]) - np.outer(d[:, 1], a[:, 0]) - ours[:, None]
+    other = np.outer(d[:, 0], b[:, 1]) - np.outer(d[:, 1], b[:, 0]) - ours[:, None]
+    parts = (np.minimum(one, other) < -slack) & (np.maximum(one, other) > slack)
+    if (parts & parts.T).any():
+        raise GeometryError(
+            "the polygon crosses itself", "its outline and its holes must not cross"
+        )
+    for hole in rings[1:]:
+        if not mostly_inside(hole.points, rings[0].points):
+            raise GeometryError("a hole lies outside the polygon's outline")
+
+
+def mostly_inside(ring: Floats, outline: Floats) -> bool:
+    """Whether at least half the corners of a ring (n, 2) lie within another."""
+    a, b = outline, np.roll(outline, -1, axis=0)
+    x, y = ring[:, 0, None], ring[:, 1, None]
+    rise = b[:, 1] - a[:, 1]
+    spans = (a[:, 1] > y) != (b[:, 1] > y)
+    at = a[:, 0] + (y - a[:, 1]) / np.where(rise == 0, 1.0, rise) * (b[:, 0] - a[:, 0])
+    return bool(((spans & (x < at)).sum(axis=1) % 2).sum() * 2 >= len(ring))
