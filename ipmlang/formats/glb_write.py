@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import struct
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 
 from ipmlang.formats import FormatError
 from ipmlang.formats.glb_shades import Entry, shade_entries
-from ipmlang.formats.mesh_types import Material, Mesh, MeshScene, triangulated
+from ipmlang.formats.mesh_types import Material, Mesh, MeshScene, all_triangulated
 from ipmlang.formats.node_transforms import Transforms, decomposed
 
 _INSTANCING = "EXT_mesh_gpu_instancing"
@@ -35,6 +36,7 @@ def glb_bytes(scene: MeshScene, *, instancing: bool = False) -> bytes:
         raise FormatError("a copy stands at a place without a value (not a number, or infinite)")
     file = _File()
     variants = _variants(scene)
+    file.add_meshes(scene.meshes, sorted({mesh for mesh, _ in variants.pairs}))
     meshes = [file.mesh(scene, mesh, material) for mesh, material in variants.pairs]
     transforms = decomposed(scene.matrix)
     if instancing:
@@ -100,10 +102,14 @@ class _File:
         self.accessors.append(entry)
         return len(self.accessors) - 1
 
+    def add_meshes(self, meshes: Sequence[Mesh], used: Sequence[int]) -> None:
+        """Add the geometry of the meshes that are used, by number."""
+        cuts = all_triangulated([meshes[index] for index in used])
+        for index, (corners, face) in zip(used, cuts, strict=True):
+            self.parts[index] = self._primitives(meshes[index], corners, face)
+
     def mesh(self, scene: MeshScene, index: int, material: int) -> Entry:
         """A mesh with its own materials, or all of it in one; the geometry is shared."""
-        if index not in self.parts:
-            self.parts[index] = self._primitives(scene.meshes[index])
         mesh = scene.meshes[index]
         primitives = []
         for own, part in self.parts[index]:
@@ -117,9 +123,12 @@ class _File:
     def _shade(self, material: Material) -> int:
         return self.materials.setdefault(material, len(self.materials))
 
-    def _primitives(self, mesh: Mesh) -> list[tuple[int, Entry]]:
+    def _primitives(
+        self, mesh: Mesh, corners: NDArray[np.int64], face: NDArray[np.int64]
+    ) -> list[tuple[int, Entry]]:
         """One part for each material of a mesh, with the number of the material."""
-        corners, face = triangulated(mesh)
+        if not mesh.materials:
+            return [(-1, self._primitive(mesh, corners.reshape(-1)))] if len(corners) else []
         material = mesh.material[face]
         return [
             (own, self._primitive(mesh, corners[material == own].reshape(-1)))
@@ -128,22 +137,22 @@ class _File:
 
     def _primitive(self, mesh: Mesh, corners: NDArray[np.int64]) -> Entry:
         """Corners with equal position, texture point and normal become one vertex."""
-        columns = [mesh.corners[corners][:, None].astype(np.float64)]
-        columns += [each[corners] for each in (mesh.uv, mesh.normals) if each is not None]
-        if len(columns) == 1:
-            used, order = np.unique(mesh.corners[corners], return_inverse=True)
-            first = np.zeros(0, np.int64)
+        if mesh.uv is None and mesh.normals is None:
+            vertices, order = _used(mesh.vertices, mesh.corners[corners])
+            attributes: Entry = {"POSITION": self._floats(vertices, bounds=True)}
         else:
+            columns = [mesh.corners[corners][:, None].astype(np.float64)]
+            columns += [each[corners] for each in (mesh.uv, mesh.normals) if each is not None]
             table = np.concatenate(columns, axis=1)
             _, first, order = np.unique(table, axis=0, return_index=True, return_inverse=True)
-            used = mesh.corners[corners[first]]
-        attributes: Entry = {"POSITION": self._floats(mesh.vertices[used], bounds=True)}
-        if mesh.normals is not None:
-            attributes["NORMAL"] = self._floats(_unit(mesh.normals[corners[first]]))
-        if mesh.uv is not None:
-            downward = mesh.uv[corners[first]] * [1.0, -1.0] + [0.0, 1.0]  # as v goes in glTF
-            attributes["TEXCOORD_0"] = self._floats(downward)
-        small = len(used) < 65_535
+            vertices = mesh.vertices[mesh.corners[corners[first]]]
+            attributes = {"POSITION": self._floats(vertices, bounds=True)}
+            if mesh.normals is not None:
+                attributes["NORMAL"] = self._floats(_unit(mesh.normals[corners[first]]))
+            if mesh.uv is not None:
+                downward = mesh.uv[corners[first]] * [1.0, -1.0] + [0.0, 1.0]  # as v goes in glTF
+                attributes["TEXCOORD_0"] = self._floats(downward)
+        small = len(vertices) < 65_535
         indices = order.reshape(-1).astype("<u2" if small else "<u4")
         number = self.accessor(indices, _USHORT if small else _UINT, _INDICES)
         return {"attributes": attributes, "indices": number}
@@ -186,6 +195,17 @@ def _chunks(text: bytes, data: bytes) -> bytes:
     if size >= 2**32:
         raise FormatError("the model is over 4 GB, more than a GLB can hold")
     return b"".join([struct.pack("<4sII", b"glTF", 2, size), *parts])
+
+
+def _used(
+    vertices: NDArray[np.float64], corners: NDArray[np.int64]
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """The vertices that corners name, and the corners as numbers of these."""
+    is_used = np.zeros(len(vertices), np.bool_)
+    is_used[corners] = True
+    if is_used.all():
+        return vertices, corners
+    return vertices[is_used], (np.cumsum(is_used) - 1)[corners]
 
 
 def _unit(normals: NDArray[np.float64]) -> NDArray[np.float64]:

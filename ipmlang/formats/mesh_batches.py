@@ -7,7 +7,7 @@ mirrored copy has its faces turned, so that they still face outward. Nothing is 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -20,6 +20,7 @@ from ipmlang.formats.mesh_types import (
     Indices,
     Mesh,
     MeshScene,
+    merged,
     reversed_faces,
     triangulated,
 )
@@ -27,6 +28,7 @@ from ipmlang.formats.mesh_types import (
 Colors: TypeAlias = NDArray[np.uint8]
 
 _BATCH = 300_000  # vertices made at a time
+_SMALL = 1_000  # vertices of a batch that is made together with others of its name and material
 
 
 @dataclass(slots=True)
@@ -43,14 +45,44 @@ class Batch:
 
 
 def batches(scene: MeshScene, up: Literal["y-up", "z-up"] = "z-up") -> Iterator[Batch]:
-    """All copies, grouped by name, material, mesh and handedness, the groups by first use."""
+    """All copies, those of a name and material together, names and materials by first use."""
+    waiting: list[Batch] = []
+    vertices = 0
+    for batch in _batches_of_meshes(scene, up):
+        size = batch.vertices.shape[0] * batch.vertices.shape[1]
+        fits = size <= _SMALL and vertices + size <= _BATCH
+        if waiting and not (fits and _look(waiting[0]) == _look(batch)):
+            yield _joined(waiting)
+            waiting, vertices = [], 0
+        if size <= _SMALL:
+            waiting.append(batch)
+            vertices += size
+        else:
+            yield batch
+    if waiting:
+        yield _joined(waiting)
+
+
+def _look(batch: Batch) -> tuple[int, int]:
+    return batch.name, batch.material
+
+
+def _joined(parts: list[Batch]) -> Batch:
+    """One batch of one mesh, all of whose copies are faces of it."""
+    if len(parts) == 1:
+        return parts[0]
+    whole = merged([replace(part.mesh, vertices=each) for part in parts for each in part.vertices])
+    return Batch(whole, whole.vertices[None], *_look(parts[0]))
+
+
+def _batches_of_meshes(scene: MeshScene, up: Literal["y-up", "z-up"]) -> Iterator[Batch]:
     mirrored = np.linalg.det(scene.matrix[:, :, :3]) < 0
     key = np.stack([scene.name, scene.material, scene.mesh, mirrored.astype(np.int64)], axis=1)
     distinct, first, inverse = np.unique(key, axis=0, return_index=True, return_inverse=True)
     rows_by_group = np.argsort(inverse.reshape(-1), kind="stable")
     ends = np.cumsum(np.bincount(inverse.reshape(-1), minlength=len(distinct)))
     turn = Z_TO_Y if up == "y-up" else np.eye(3)
-    for group in np.argsort(first).tolist():
+    for group in _in_order(distinct, first).tolist():
         name, material, number, is_mirrored = distinct[group].tolist()
         mesh = scene.meshes[number]
         if not len(mesh.corners):
@@ -60,8 +92,18 @@ def batches(scene: MeshScene, up: Literal["y-up", "z-up"] = "z-up") -> Iterator[
         step = max(1, _BATCH // len(mesh.vertices))
         for begin in range(0, len(rows), step):
             matrices = turn @ scene.matrix[rows[begin : begin + step]]
-            vertices = np.einsum("kij,vj->kvi", matrices[:, :, :3], mesh.vertices)
+            vertices = mesh.vertices @ matrices[:, :, :3].transpose(0, 2, 1)
             yield Batch(mesh, vertices + matrices[:, None, :, 3], name, material)
+
+
+def _in_order(distinct: Indices, first: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Groups by the first use of their name and material, then by their own."""
+    if not len(distinct):
+        return first
+    # Rows with equal name and material follow each other.
+    begins = np.concatenate([[True], (np.diff(distinct[:, :2], axis=0) != 0).any(axis=1)])
+    earliest = np.minimum.reduceat(first, np.flatnonzero(begins))
+    return np.lexsort([first, earliest[np.cumsum(begins) - 1]])
 
 
 def world_triangles(

@@ -6,7 +6,7 @@ Nothing here reads, writes or derives.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal, TypeAlias
 
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ipmlang.formats.drawing import Note
 from ipmlang.formats.textures import Texture
+from ipmlang.formats.triangles import cut_faces
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -23,6 +24,7 @@ Alpha: TypeAlias = Literal["", "MASK", "BLEND"]
 
 UNCOLORED: Color = (0.8, 0.8, 0.8, 1.0)
 """What is shown where nothing says a colour."""
+_TOGETHER = 100_000  # corners of small meshes that are triangulated at a time
 
 Z_TO_Y = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
 """Turns a z-up model to y-up: (x, y, z) to (x, z, -y). Its transpose turns back."""
@@ -108,52 +110,35 @@ def single(mesh: Mesh, name: str, notes: tuple[Note, ...] = ()) -> MeshScene:
 
 
 def triangulated(mesh: Mesh) -> tuple[Indices, Indices]:
-    """Corner numbers (t, 3) of triangles that cover the faces, and the face of each (t,).
-
-    Faces of up to four corners are fans; larger ones are cut by ear, as they may be concave.
-    """
-    counts = np.diff(mesh.offsets)
-    many = np.flatnonzero(counts > 4)
-    simple = np.where(counts > 4, 0, np.maximum(counts - 2, 0))
-    face = np.repeat(np.arange(len(counts)), simple)
-    step = np.arange(len(face)) - np.repeat(np.cumsum(simple) - simple, simple)
-    first = mesh.offsets[face]
-    fans = np.stack([first, first + step + 1, first + step + 2], axis=1)
-    if not len(many):
-        return fans, face
-    parts, owners = [fans], [face]
-    for index in many.tolist():
-        begin, end = mesh.offsets[index : index + 2].tolist()
-        cut = ears(mesh.vertices[mesh.corners[begin:end]])
-        parts.append(cut + begin)
-        owners.append(np.full(len(cut), index))
-    owner = np.concatenate(owners)
-    order = np.argsort(owner, kind="stable")
-    return np.concatenate(parts)[order], owner[order]
+    """Corner numbers (t, 3) of triangles that cover the faces, and the face of each (t,)."""
+    return cut_faces(mesh.vertices, mesh.corners, mesh.offsets)
 
 
-def ears(points: Floats, ends: Indices | None = None) -> Indices:
-    """Triangles (t, 3) of a polygon (m, 3) that is flat or nearly so, oriented as it is. `ends`:
-    where each of its rings ends if it has holes; the first is its outline.
-    """
-    import mapbox_earcut
+def all_triangulated(meshes: Sequence[Mesh]) -> Iterator[tuple[Indices, Indices]]:
+    """What `triangulated` gives for each of the meshes, small ones many at a time."""
+    ends = np.cumsum([len(mesh.corners) for mesh in meshes])
+    begin = 0
+    while begin < len(meshes):
+        done = ends[begin - 1] if begin else 0
+        end = max(begin + 1, int(np.searchsorted(ends, done + _TOGETHER, side="right")))
+        yield from _triangulated_together(meshes[begin:end])
+        begin = end
 
-    ends = np.array([len(points)]) if ends is None else ends
-    outline = points[: ends[0]]
-    normal = np.cross(outline - outline[0], np.roll(outline, -1, axis=0) - outline[0]).sum(axis=0)
-    axis = int(np.argmax(np.abs(normal)))
-    flat = np.delete(points, axis, axis=1)
-    if (normal[axis] < 0) != (axis == 1):
-        flat = flat[:, ::-1]
-    flat = np.ascontiguousarray(flat)
-    found = mapbox_earcut.triangulate_float64(flat, ends.astype(np.uint32))
-    cut = np.asarray(found, np.int64).reshape(-1, 3)
-    if not len(cut):  # a face without area still has its corners
-        steps = np.arange(1, ends[0] - 1)
-        return np.stack([np.zeros_like(steps), steps, steps + 1], axis=1)
-    a, b, c = (flat[cut[:, k]] for k in range(3))
-    area = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
-    return np.where((area < 0)[:, None], cut[:, ::-1], cut)
+
+def _triangulated_together(meshes: Sequence[Mesh]) -> Iterator[tuple[Indices, Indices]]:
+    points = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
+    corners = np.cumsum([0, *(len(mesh.corners) for mesh in meshes)])
+    faces = np.cumsum([0, *(len(mesh.offsets) - 1 for mesh in meshes)])
+    begins = [mesh.offsets[:-1] + shift for mesh, shift in zip(meshes, corners, strict=False)]
+    cut, face = cut_faces(
+        np.concatenate([mesh.vertices for mesh in meshes]),
+        np.concatenate([m.corners + shift for m, shift in zip(meshes, points, strict=False)]),
+        np.concatenate([*begins, corners[-1:]]),
+    )
+    parts = np.searchsorted(face, faces)
+    for number in range(len(meshes)):
+        part = slice(parts[number], parts[number + 1])
+        yield cut[part] - corners[number], face[part] - faces[number]
 
 
 def chosen_faces(mesh: Mesh, keep: NDArray[np.bool_]) -> Mesh:

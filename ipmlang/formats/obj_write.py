@@ -119,16 +119,18 @@ def _rows(word: str, values: NDArray[np.float64], digits: int) -> str:
 
 def _digits(scene: MeshScene) -> int:
     """How many significant digits keep 1e-10 of the model's size, however far away it lies."""
-    size = farthest = 0.0
+    size = farthest = reach = 0.0
     if len(scene.mesh):
         places = scene.matrix[:, :, 3]
         size, farthest = float(np.ptp(places, axis=0).max()), float(np.abs(places).max())
-    for number, mesh in enumerate(scene.meshes):
-        rows = scene.mesh == number
-        if len(mesh.vertices) and rows.any():
-            scale = float(np.abs(scene.matrix[rows][:, :, :3]).max())
-            size = max(size, scale * float(np.ptp(mesh.vertices, axis=0).max()))
-            farthest += scale * float(np.abs(mesh.vertices).max())
+    scales = np.zeros(len(scene.meshes))
+    np.maximum.at(scales, scene.mesh, np.abs(scene.matrix[:, :, :3]).max(axis=(1, 2)))
+    for mesh, scale in zip(scene.meshes, scales.tolist(), strict=True):
+        if len(mesh.vertices) and scale:
+            low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+            size = max(size, scale * float((high - low).max()))
+            reach = max(reach, scale * float(np.maximum(-low, high).max()))
+    farthest += reach
     ratio = max(farthest, 1e-300) / max(size, 1e-300)
     return min(17, 10 + max(0, math.ceil(math.log10(ratio))))
 

@@ -10,7 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ipmlang.formats.mesh_types import Mesh, ears
+from ipmlang.formats.mesh_types import Mesh
+from ipmlang.formats.triangles import ears
 from ipmlang.geometry.solid import Solid
 
 Indices = NDArray[np.int64]
