@@ -22,11 +22,17 @@ Opcode: TypeAlias = Literal[
     "row",  # args (index,); const (table number, column number)
     "call",  # const: name of a pure function record; args
     "uniform",  # site; the 24-bit number in [0, 1) of (seed, key, site)
+    "state",  # const: sx, sy, sz (the scope's extents), x, y, z (its origin), label
+    "measure",  # const: area, volume or sides, of the shape's geometry
+    "count",  # const: repeat number; how many copies there are
     # children and structure of a body
     "module",  # const: symbol number; args: its parameters; site
     "open",  # [
     "close",  # ]
     "repeat",  # args (count, *holes); const: repeat number; site; body
+    "slab",  # args (low, size); const axis 0, 1 or 2; body: of the part of the scope between
+    "pieces",  # args; const (operation, number); body: "part"s, each for what its selector takes
+    "part",  # const: a selector; body
     # state, in meanings only
     "move",  # args (x, y, z) along the local axes, in frame units
     "rotate",  # args (degrees,); const "x", "y" or "z": about the local axis
@@ -34,6 +40,10 @@ Opcode: TypeAlias = Literal[
     "scale",  # args (factor,)
     "mirror",  # flip the handedness (local x first)
     "level",  # the book's $
+    "resize",  # args (sx, sy, sz): the scope's extents
+    "solid",  # args; const: the operation that makes another geometry of the shape's own
+    "center",  # args (axes,): move the scope to the middle of the one that the body began with
+    "report",  # args (key, value): add to the sum under a key
     "pen",  # args (value,) or (); const (field, text or None): width, color, css, effect, material
     "layer",  # args (d,): raise the paint order of what follows
     "cut",  # the book's %
@@ -48,8 +58,11 @@ Opcode: TypeAlias = Literal[
 Const: TypeAlias = "float | int | str | tuple[object, ...] | None"
 Chance: TypeAlias = "tuple[Literal['percent', 'weight'], tuple[Instruction, ...], int]"
 
-VALUE_OPS = frozenset({"const", "param", "attr", "index", "row", "call", "uniform"})
-BODY_OPS = frozenset({"module", "open", "close", "repeat"})
+VALUE_OPS = frozenset(
+    {"const", "param", "attr", "index", "row", "call", "uniform", "state", "measure", "count"}
+)
+BODY_OPS = frozenset({"module", "open", "close", "repeat", "slab", "pieces", "part"})
+SCOPE_OPS = frozenset({"state", "measure", "slab", "pieces", "resize", "solid", "center", "report"})
 RESIDUAL_TEXTS = ("css", "color", "fill", "stroke")
 RESIDUAL_COLUMNS = ("x", "y", "z", "angle", "scale", "layer", *RESIDUAL_TEXTS)
 
@@ -110,7 +123,8 @@ class Symbol:
     `interpretation`: numbers of `interpret` alternatives. `meaning`: what a module of it that is
     left over does, None for nothing. `moves`: expanding or interpreting it can change the state for
     what follows (computed as a fixed point over productions). `carried`: how many parameters, the
-    last ones of `arity`, are attributes that some `set` changes: nobody wrote them.
+    last ones of `arity`, are attributes that some `set` changes: nobody wrote them. `held`: what
+    its meaning does to the state ends with the body it stands in.
     """
 
     name: str
@@ -121,12 +135,14 @@ class Symbol:
     meaning_registers: int = 0
     moves: bool = False
     carried: int = 0
+    held: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class Attribute:
     """A settable number, truth value or text, with its default as code over earlier attributes
-    (register `default[1]`), evaluated once per run with the seed's root key.
+    (register `default[1]`), evaluated once per run with the seed's root key. `hidden`: nobody
+    wrote it and nobody may set it from outside.
     """
 
     name: str
@@ -137,6 +153,7 @@ class Attribute:
     high: float | None = None
     choices: tuple[str | float, ...] = ()
     doc: str | None = None
+    hidden: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,13 +211,28 @@ class Late:
 
 
 @dataclass(frozen=True, slots=True)
+class Ground:
+    """What a derivation starts on: a box (3 registers), a polygon (2 or 3 registers a corner; the
+    number of coordinates is `width`), or the faces and closed paths of a file, one shape each.
+    """
+
+    kind: Literal["box", "polygon", "file"]
+    code: tuple[Instruction, ...] = ()
+    registers: int = 0
+    outputs: tuple[int, ...] = ()
+    width: int = 3
+    path: Path | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Program:
     """A whole grammar, lowered.
 
     `axiom` is a production of no symbol (-1). `steps`: None rewrites until no module has
     productions. `threaded`: some module that moves is followed by something that reads the turtle
     in its bracket, or a production has context: derive as a string. `flat`: nothing leaves z = 0.
-    `strings`: interned text values; a text in a register is its number.
+    `strings`: interned text values; a text in a register is its number. `scoped`: shapes have a
+    scope and geometry; `ground`: what the start stands on, None for a turtle or a unit square.
     """
 
     symbols: tuple[Symbol, ...]
@@ -225,3 +257,5 @@ class Program:
     residual: Residual | None = None
     late: Late | None = None
     path: str = ""
+    scoped: bool = False
+    ground: Ground | None = None

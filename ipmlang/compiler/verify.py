@@ -13,6 +13,7 @@ from ipmlang.compiler.ops import FUNCTIONS
 
 ARGUMENTS: dict[str, int] = {
     "move": 3, "rotate": 1, "orient": 4, "scale": 1, "mirror": 0, "level": 0, "layer": 1, "cut": 0,
+    "slab": 2, "part": 0, "resize": 3, "center": 1, "report": 2,
     "segment": 1, "polygon_open": 0, "polygon_close": 0, "vertex": 0, "open": 0, "close": 0,
 }  # fmt: skip
 RESERVED = 0x40000000  # sites from here on are not a production's own
@@ -121,7 +122,7 @@ def _brackets(where: str, code: Sequence[ir.Instruction]) -> Iterator[str]:
         if depth < 0:
             yield f"{where}: a bracket closes that never opened"
             depth = 0
-        if each.op == "repeat":
+        if each.body:
             yield from _brackets(where, each.body)
     if depth:
         yield f"{where}: {depth} brackets stay open"
@@ -132,8 +133,13 @@ def _repeats(
 ) -> Iterator[str]:
     """A copy's number is read only within its repeat; repeats have numbers of their own."""
     for each in code:
-        if each.op == "index" and each.const not in around:
+        if each.op in ("index", "count") and each.const not in around:
             yield f"{where}: the number of repeat {each.const} is read outside it"
+        if each.op == "pieces":
+            assert isinstance(each.const, tuple)
+            yield from _repeats(where, each.body, (*around, each.const[1]))
+        elif each.op != "repeat":
+            yield from _repeats(where, each.body, around)
         if each.op == "repeat":
             if each.const in around:
                 yield f"{where}: repeat {each.const} stands within itself"

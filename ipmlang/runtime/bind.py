@@ -7,7 +7,7 @@ ones) and one number an attribute. Every wrong name, type and range is reported,
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from ipmlang.compiler import ir
@@ -32,7 +32,7 @@ def bind(
     A default is evaluated once, with the root key of the seed, over the attributes before it.
     """
     given = given or {}
-    names = [each.name for each in program.attrs]
+    names = [each.name for each in program.attrs if not each.hidden]
     problems = [_unknown(name, names) for name in given if name not in names]
     strings = {text: number for number, text in enumerate(program.strings)}
     values: list[float] = []
@@ -56,6 +56,14 @@ def bind(
         raise IpmError(problems)
     program = replace(program, strings=tuple(strings))
     return _settled(program, values, seed), tuple(values)
+
+
+def evaluated(
+    code: Sequence[ir.Instruction], outputs: Sequence[int], attrs: Sequence[float], seed: int
+) -> tuple[float, ...]:
+    """Numbers over the attributes of a run, with the seed's root key."""
+    _, single = compile_values(tuple(code), tuple(outputs))
+    return single((), *keys.root(seed), {}, attrs, ())
 
 
 def _settled(program: ir.Program, values: list[float], seed: int) -> ir.Program:

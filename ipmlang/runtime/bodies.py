@@ -9,7 +9,7 @@ found by a scan. Nothing is derived here.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from ipmlang.compiler import ir
 from ipmlang.runtime.algebra import Operand, Source
@@ -28,7 +28,8 @@ OWN = -1  # the site of what is drawn under the shape's own key
 @dataclass(frozen=True, slots=True)
 class Scope:
     """The names of one batch: its row count, keys, parameters, the numbers of copies around it, the
-    registers, and the rows that draw (None: all).
+    registers, the rows that draw (None: all; what it names may be None, too), and how many pieces
+    there are of each operation around it.
     """
 
     count: str
@@ -38,6 +39,7 @@ class Scope:
     registers: dict[int, Operand]
     copies: tuple[tuple[int, str], ...] = ()
     shown: str | None = None
+    many: Mapping[int, str] = field(default_factory=dict)
 
     @property
     def numbers(self) -> str:
@@ -70,6 +72,7 @@ class Writer:
         self.source = Source()
         self.slots: list[str] = []
         self.ended: State | None = None
+        self._base: State = {}
 
     # ------------------------------------------------------------------------ elements
 
@@ -88,12 +91,16 @@ class Writer:
                 state = saved.pop()
             elif each.op == "repeat":
                 state = self._repeat(each, scope, state)
+            elif each.op == "slab":
+                self._slab(each, scope, state)
+            elif each.op == "pieces":
+                self._pieces(each, scope, state)
             elif each is self._tail:
                 self.ended = dict(state)
             elif each.op == "module":
                 state = self._module(each, scope, state)
             elif each.out not in scope.registers:
-                scope.registers[each.out] = self._value(each, scope, scope.registers)
+                scope.registers[each.out] = self._value(each, scope, scope.registers, state)
         return state
 
     def _bracket_end(self, elements: Sequence[ir.Instruction], begin: int) -> int:
@@ -121,13 +128,15 @@ class Writer:
         inner = replace(scope, params=args, registers={})
         for each in meaning:
             if each.op in ir.VALUE_OPS:
-                inner.registers[each.out] = self._value(each, inner, inner.registers)
+                inner.registers[each.out] = self._value(each, inner, inner.registers, state)
                 continue
             given = [inner.registers[arg] for arg in each.args]
             if each.op in ("segment", "emit"):
                 self._draw(each, scope, given, symbol, site, state)
             if each.op == "pen" and _field(each) == FIELD:
                 state = self._grouped(each, given, inner, state)
+            elif each.op in SHAPING:
+                state = self._shaped(each, given, scope, state)
             else:
                 state = self._state(each, given, state)
         return state
@@ -143,8 +152,15 @@ class Writer:
         return state
 
     def _value(
-        self, each: ir.Instruction, scope: Scope, registers: Mapping[int, Operand]
+        self, each: ir.Instruction, scope: Scope, registers: Mapping[int, Operand], state: State
     ) -> Operand:
+        if each.op == "state":
+            return self._asked(str(each.const), state)
+        if each.op == "measure":
+            parts = ", ".join(source(state[name]) for name in SCOPE_FIELDS)
+            return self.source.let(f"run.measure('{each.const}', {parts})")
+        if each.op == "count":
+            return scope.many[int(str(each.const))]
         names = Names(
             lambda i: scope.params[i],  # type: ignore[arg-type,return-value]
             lambda i: self._setting.attrs[i],
@@ -293,10 +309,14 @@ class Writer:
         if self._quiet:
             return
         asset, size = SEGMENT, [args[0], 0.0, 0.0] if each.op == "segment" else [0.0, 0.0, 0.0]
+        shown = scope.shown
         if each.op == "emit":
             assert isinstance(each.const, int)
             asset = each.const if each.const >= 0 else SCOPE
             size = args if len(args) == 3 else size
+        if asset == SCOPE and "geo" in state:
+            size = [state[name] for name in ("sx", "sy", "sz")]
+            shown = self._held(f"run.some({source(state['geo'])}, {scope.count}, {shown})")
         parts = (self._values(size), self._values(state.values()))
         if self._single:
             key = "k0, k1" if site == OWN else f"*child(k0, k1, {site})"
@@ -305,7 +325,7 @@ class Writer:
         else:
             where = f"{scope.k0}, {scope.k1}, {site}, {scope.tuple}"
             what = f"{scope.count}, rule, {symbol}, {asset}, {parts[0]}, {parts[1]}, {where}"
-            self.slots.append(self._held(f"run.draw({what}, {scope.shown})"))
+            self.slots.append(self._held(f"run.draw({what}, {shown})"))
 
     def _make(
         self, symbol: int, scope: Scope, args: tuple[Operand, ...], site: int, state: State
@@ -328,7 +348,10 @@ class Writer:
     def chain(self, elements: Sequence[ir.Instruction], scope: Scope, state: State) -> None:
         """Write a body whose tail makes the next row of a chain: scan first, then draw."""
         start: State = {name: IDENTITY.get(name, 0.0) for name in state}
-        start.update({name: UNSET for name in state if name not in (*FRAME, "layer")})
+        start.update(
+            {name: UNSET for name in state if name not in (*FRAME, *SCOPE_FIELDS, "layer")}
+        )
+        start.update({name: state[name] for name in SCOPE_FIELDS if name in state})
         self._quiet = True
         self.body(elements, scope, dict(start))
         self._quiet = False
@@ -341,13 +364,17 @@ class Writer:
 
     def _repeat(self, each: ir.Instruction, scope: Scope, state: State) -> State:
         write = self.source
-        counts = write.let(f"run.counts({source(scope.registers[each.args[0]])}, {scope.count})")
+        shown = "" if scope.shown is None else f", {scope.shown}"
+        limit = source(scope.registers[each.args[0]])
+        counts = write.let(f"run.counts({limit}, {scope.count}{shown})")
         found = self._held(f"run.copies({counts})")
         owner, index = write.let(f"{found}[0]"), write.let(f"{found}[1]")
-        inner = self._gathered(each, scope, owner, index)
+        assert isinstance(each.const, int)
+        inner = self._gathered(each, each.const, scope, owner, index)
         own = {name: self._taken(value, owner) for name, value in state.items()}
         start: State = {name: IDENTITY.get(name, 0.0) for name in state}
-        pens = [name for name in state if name not in FRAME]
+        start.update({name: own[name] for name in SCOPE_FIELDS if name in own})
+        pens = [name for name in state if name not in FRAME and name not in SCOPE_FIELDS]
         start.update({name: UNSET for name in pens if name != "layer"})
         quiet, self._quiet = self._quiet, True
         step = self.body(each.body, inner, dict(start))
@@ -388,40 +415,145 @@ class Writer:
     def _mapping(self, state: State, names: Sequence[str]) -> str:
         return "{" + ", ".join(f"'{name}': {source(state[name])}" for name in names) + "}"
 
-    def _gathered(self, each: ir.Instruction, scope: Scope, owner: str, index: str) -> Scope:
-        assert isinstance(each.const, int)
+    def _gathered(
+        self, each: ir.Instruction, number: int, scope: Scope, owner: str, index: str
+    ) -> Scope:
+        """The names of the batch of copies; `each` is a repeat, or one part of pieces."""
         used = set(_read(each.body))
         copies = tuple(
-            (number, self.source.let(f"{name}[{owner}]")) for number, name in scope.copies
+            (around, self.source.let(f"{name}[{owner}]")) for around, name in scope.copies
         )
         shown = None
         for register in each.args[1:]:
             hole = self._taken(scope.registers[register], owner)
             clear = self.source.let(f"({source(hole)} != {index})")
             shown = clear if shown is None else self.source.let(f"{shown} & {clear}")
-        if scope.shown is not None:
-            outer = self.source.let(f"run.mask({scope.shown}, {scope.count})[{owner}]")
-            shown = outer if shown is None else self.source.let(f"{shown} & {outer}")
         rows = None if shown is None else self.source.let(f"flatnonzero({shown})")
+        if scope.shown is not None:
+            outer = f"{scope.shown}, {scope.count}, {owner}"
+            rows = self.source.let(f"run.inner({outer}, {shown})")
         return Scope(
             self.source.let(f"len({owner})"),
             self.source.let(f"{scope.k0}[{owner}]"),
             self.source.let(f"{scope.k1}[{owner}]"),
             tuple(self._taken(value, owner) for value in scope.params),
             {
-                number: self._taken(value, owner)
-                for number, value in scope.registers.items()
-                if number in used
+                register: self._taken(value, owner)
+                for register, value in scope.registers.items()
+                if register in used
             },
-            (*copies, (each.const, index)),
+            (*copies, (number, index)),
             rows,
+            {around: self.source.let(f"{name}[{owner}]") for around, name in scope.many.items()},
         )
 
     def _taken(self, value: Operand, owner: str) -> Operand:
         return value if isinstance(value, float) else self.source.let(f"take({value}, {owner})")
 
+    # ------------------------------------------------------------------ scopes and parts
+
+    def _asked(self, name: str, state: State) -> Operand:
+        """A field of the state that a body reads as a number."""
+        if self._quiet and name in FRAME:  # what copies before this one did is not known yet
+            raise UnscannableError
+        return state.get(name, -1.0)
+
+    def _shaped(
+        self, each: ir.Instruction, args: list[Operand], scope: Scope, state: State
+    ) -> State:
+        """What an operation makes of the scope and its geometry. In a repeat every copy has its
+        own: nothing of it reaches the next.
+        """
+        if self._quiet:
+            return state
+        if each.op == "report":
+            what = f"{scope.count}, {self._values(args)}, {scope.shown}"
+            self.source.lines.append(f"run.report({what})")
+            return state
+        if each.op == "resize":
+            sizes = (self.source.let(f"run.extent({source(arg)})") for arg in args)
+            return {**state, **dict(zip(("sx", "sy", "sz"), sizes, strict=True))}
+        names = [name for name in state if name in FRAME or name in SCOPE_FIELDS]
+        base = {name: self._base.get(name, state[name]) for name in names}
+        what = "center" if each.op == "center" else str(each.const)
+        parts = f"'{what}', {scope.count}, {self._values(args)}, {self._mapping(state, names)}"
+        more = f"{self._mapping(base, names)}" if each.op == "center" else scope.shown
+        call = "center" if each.op == "center" else "solid"
+        found = self._held(f"run.{call}({parts}, {more})")
+        changed = MOVED if each.op == "center" else changed_by(what)
+        own = {name: self.source.let(f"{found}['{name}']") for name in changed if name in state}
+        return {**state, **own}
+
+    def _slab(self, each: ir.Instruction, scope: Scope, state: State) -> None:
+        """The part of the scope between two planes."""
+        if self._quiet:
+            return
+        assert isinstance(each.const, int)
+        low, size = (source(scope.registers[arg]) for arg in each.args)
+        scopes = ", ".join(source(state[name]) for name in SCOPE_FIELDS)
+        what = f"{each.const}, {scope.count}, {low}, {size}, {scopes}, {scope.shown}"
+        found = self._held(f"run.slab({what})")
+        shown, begin, extent, geometry = (self.source.let(f"{found}[{k}]") for k in range(4))
+        axis = min(each.const, 2) if each.const < 3 else 0
+        move: list[Operand] = [0.0, 0.0, 0.0]
+        move[axis] = begin
+        own = self._moved(state, move[0], move[1], move[2])
+        own = {**own, ("sx", "sy", "sz")[axis]: extent, "geo": geometry}
+        self._within(each.body, replace(scope, registers=dict(scope.registers), shown=shown), own)
+
+    def _pieces(self, each: ir.Instruction, scope: Scope, state: State) -> None:
+        """The parts that an operation makes, a batch of copies for each selector."""
+        if self._quiet:
+            return
+        assert isinstance(each.const, tuple)
+        name, number, site = each.const
+        assert isinstance(number, int)
+        args = [scope.registers[arg] for arg in each.args]
+        names = [name for name in state if name in FRAME or name in SCOPE_FIELDS]
+        selectors = tuple(part.const for part in each.body if part.op == "part")
+        keys = f"({scope.k0}, {scope.k1}, {site}, {scope.tuple})"
+        what = f"{name!r}, {selectors!r}, {scope.count}, {self._values(args)}"
+        call = f"run.pieces({what}, {self._mapping(state, names)}, {keys}, {scope.shown})"
+        found = self._held(call)
+        parts = [part for part in each.body if part.op == "part"]
+        for place, part in enumerate(parts):
+            mine = self.source.let(f"{found}[{place}]")
+            owner, index = self.source.let(f"{mine}.owner"), self.source.let(f"{mine}.index")
+            inner = self._gathered(part, number, replace(scope, shown=None), owner, index)
+            inner = replace(inner, many={**inner.many, number: self.source.let(f"{mine}.many")})
+            own = {
+                name: self.source.let(f"{mine}.state['{name}']")
+                if name in names
+                else self._taken(value, owner)
+                for name, value in state.items()
+            }
+            outer, self.slots = self.slots, []
+            self._within(part.body, inner, own)
+            slots, self.slots = self._values(self.slots), outer
+            self.slots.append(f"Copies({mine}.counts, {owner}, {slots})")
+
+    def _within(self, body: Sequence[ir.Instruction], scope: Scope, state: State) -> None:
+        """A body of its own; `center` in it asks for the scope that it began with."""
+        before, self._base = self._base, state
+        self.body(body, scope, state)
+        self._base = before
+
 
 FRAME = frozenset({"x", "y", "z", "angle", "w", "i", "j", "k", "scale"})
+
+
+MOVED = ("x", "y", "z")
+SCOPE_FIELDS = ("sx", "sy", "sz", "geo")
+SHAPING = frozenset({"resize", "solid", "center", "report"})
+
+
+def changed_by(name: str) -> tuple[str, ...]:
+    """The fields that an operation on a shape's geometry may change."""
+    turned = ("w", "i", "j", "k", "scale") if name in TURNING else ()
+    return (*MOVED, *SCOPE_FIELDS, *turned)
+
+
+TURNING = frozenset({"rotateScope", "mirrorScope", "alignScopeToAxes", "alignScopeToGeometry"})
 
 
 def _field(each: ir.Instruction) -> str:

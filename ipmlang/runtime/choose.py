@@ -194,7 +194,8 @@ def out_of_range(program: ir.Program, production: ir.Production, amount: float) 
 
 def fresh(batch: Batch) -> Batch:
     """The same shapes with no registers."""
-    return Batch(batch.bound, batch.count, batch.params, batch.k0, batch.k1, batch.silent)
+    return Batch(batch.bound, batch.count, batch.params, batch.k0, batch.k1, batch.silent,
+                 scope=batch.scope)  # fmt: skip
 
 
 def module(batch: Batch, symbol: int, row: int) -> str:

@@ -35,9 +35,13 @@ class Copying:
         if not np.all(np.asarray(value) > 0):
             raise self.counted.error("scale-not-positive", "`*` needs a factor above 0")
 
-    def counts(self, limit: Column, count: int) -> Numbers:
-        """How many copies each row of a batch makes, (count,)."""
+    def counts(self, limit: Column, count: int, shown: Numbers | None = None) -> Numbers:
+        """How many copies each row of a batch makes, (count,); a row that is not shown makes none
+        where its limit is no number.
+        """
         limits = np.broadcast_to(np.asarray(limit, np.float64), (count,))
+        if shown is not None:
+            limits = np.where(self.mask(shown, count) | np.isfinite(limits), limits, 0.0)
         if not np.isfinite(limits).all():
             raise self.counted.error("not-a-number", "the count of a repeat is no finite number")
         found = copies_of(limits)

@@ -20,6 +20,8 @@ from ipmlang.runtime.bodies import OWN
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.grouping import FIELD, Grouping
 from ipmlang.runtime.keys import Words
+from ipmlang.runtime.pool import Pool
+from ipmlang.runtime.scene import SCOPE, SOLID
 
 Places = NDArray[np.int32]
 Values = TypeVar("Values", bound="float | NDArray[np.generic]")
@@ -66,8 +68,11 @@ def rows(
     places: Places,
     initial: dict[str, float],
     grouping: Grouping,
+    pool: Pool,
 ) -> Rows:
-    """All drawings in the order of their places (n,); `initial` are the state's fields."""
+    """All drawings in the order of their places (n,); `initial` are the state's fields,
+    `pool` has the geometries.
+    """
     columns = _Columns(chunks, places)
     count = len(places)
     key = columns.keys()
@@ -80,6 +85,12 @@ def rows(
     texts = {name: columns.field(name, np.int32, -1) for name in TEXT_FIELDS if name in initial}
     color = columns.field("color", np.int32, -1)
     group = columns.field(FIELD, np.int32, -1)
+    asset = columns.filled(np.int32, lambda chunk: chunk.asset)
+    shape = np.full(count, -1, np.int32)
+    if "geo" in initial:
+        geometry = columns.field("geo", np.float64, 0.0)
+        asset = np.where(asset == SCOPE, pool.kinds(geometry), asset)
+        shape[asset == SOLID] = geometry[asset == SOLID]
     position = np.zeros((count, 3))
     axes = "xy" if "angle" in initial else "xyz"
     columns.rows(position, lambda chunk: [chunk.state.pop(name) for name in axes])
@@ -91,8 +102,8 @@ def rows(
         rotation,
         scale,
         size,
-        columns.filled(np.int32, lambda chunk: chunk.asset),
-        np.full(count, -1, np.int32),
+        asset,
+        shape,
         width,
         color,
         texts,

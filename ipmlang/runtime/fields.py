@@ -7,7 +7,7 @@ scales carries no scale, a flat one no z: executors carry these columns and no o
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from ipmlang.compiler import ir
 
@@ -16,26 +16,31 @@ BOOK = (0.0, 1.0, 0.0, 0.0)  # heading +x, left -y, up -z: the published end poi
 UPRIGHT = (0.5, 0.5, -0.5, 0.5)  # heading +z, left -x, up -y
 PLANE = ("x", "y", "angle")
 SPACE = ("x", "y", "z", "w", "i", "j", "k")
+SCOPE = ("sx", "sy", "sz", "geo")  # extents, and the number of the geometry in the pool
 UNSET = -1e300  # of a pen's field that copies leave as it was
 IDENTITY = {"w": 1.0, "scale": 1.0}  # all other fields of a frame are 0
 
 
 def fields(program: ir.Program) -> dict[str, float]:
-    """Each field with its value at the start: the frame, `scale` (signed: negative in a mirrored
-    frame), `layer`, and the pen's fields, NaN or -1 where nothing is set.
+    """Each field with its value at the start: the frame, the scope, `scale` (signed: negative in a
+    mirrored frame), `layer`, and the pen's fields, NaN or -1 where nothing is set.
     """
     found = dict.fromkeys(PLANE if program.flat else SPACE, 0.0)
     if not program.flat:
         found.update(zip("wijk", first_rotation(program), strict=True))
+    if program.scoped:
+        found.update(dict.fromkeys(SCOPE, 0.0))
     used = {(each.op, _field(each)) for each in _meanings(program)}
     ops = {op for op, _ in used}
-    if ops & {"scale", "mirror"}:
+    if ops & {"scale", "mirror"} or ("solid", "mirrorScope") in used:
         found["scale"] = 1.0
     if "layer" in ops:
         found["layer"] = 0.0
     width = program.pen_width
     if ("pen", "width") in used or width is not None:
         found["width"] = math.nan if width is None else width
+    if program.scoped:
+        used |= {("pen", "label")} if _reads_label(program) else set()
     for _, name in sorted(each for each in used if each[0] == "pen" and each[1] != "width"):
         found[name] = -1.0
     return found
@@ -51,9 +56,28 @@ def first_rotation(program: ir.Program) -> tuple[float, float, float, float]:
 
 
 def _field(each: ir.Instruction) -> str:
+    if each.op == "solid":
+        return str(each.const)
     return str(each.const[0]) if each.op == "pen" and isinstance(each.const, tuple) else ""
 
 
 def _meanings(program: ir.Program) -> Iterator[ir.Instruction]:
     for symbol in program.symbols:
         yield from symbol.meaning or ()
+
+
+def _reads_label(program: ir.Program) -> bool:
+    """Whether some rule asks for the label of a shape that nothing need have labelled."""
+    codes = [
+        code
+        for each in (*program.productions, program.axiom)
+        for code in (each.body, () if each.guard is None else each.guard[0])
+    ]
+    return any(each.op == "state" and each.const == "label" for each in _all(codes))
+
+
+def _all(codes: Iterable[Iterable[ir.Instruction]]) -> Iterator[ir.Instruction]:
+    for code in codes:
+        for each in code:
+            yield each
+            yield from _all((each.body,))

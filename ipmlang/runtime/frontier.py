@@ -19,28 +19,30 @@ from ipmlang.runtime.bodies import Setting
 from ipmlang.runtime.choose import Choice, ShapeError, module
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.compiled import Compiled
-from ipmlang.runtime.copying import Copying
 from ipmlang.runtime.drawings import Chunk
+from ipmlang.runtime.ground import first_keys, standing
 from ipmlang.runtime.grouping import Grouping
 from ipmlang.runtime.keys import Words
 from ipmlang.runtime.limits import Counted, Trail
 from ipmlang.runtime.order import Drawn, Made, Order, Record
 from ipmlang.runtime.pending import FINAL, Pending, Shapes
+from ipmlang.runtime.scoping import Scoping
 from ipmlang.runtime.single import Single
-from ipmlang.runtime.values import Batch, Bound
+from ipmlang.runtime.solids import AssetSolids
+from ipmlang.runtime.values import Batch, Bound, Scope
 
 NARROW = 24  # so few shapes run one by one
 
 NOTHING = Made(0, 0, np.zeros(0, np.int64))
 
 
-class Frontier(Copying):
-    """One derivation. Bodies call `draw` and `make`, and what `Copying` has for repeats."""
+class Frontier(Scoping):
+    """One derivation. Bodies call `draw` and `make`, and what `Scoping` has for parts."""
 
     def __init__(
         self, bound: Bound, initial: dict[str, float], limits: ir.Limits, steps: int | None
     ) -> None:
-        super().__init__(bound.program, Counted(bound.program, limits))
+        super().__init__(bound.program, Counted(bound.program, limits), AssetSolids(bound.program))
         self.bound = bound
         self._initial = initial
         self.fields = tuple(initial)
@@ -53,6 +55,7 @@ class Frontier(Copying):
         self.chunks: list[Chunk] = []
         self.drawings = 0
         self.grouping = Grouping()
+        self.notes: tuple[str, ...] = ()
         self._single = Single(self)
 
     @property
@@ -62,12 +65,11 @@ class Frontier(Copying):
 
     def run(self, seed: int) -> None:
         """Derive everything."""
-        first, second = keys.root(seed)
         self.counted.trail = Trail(self.order, self.names)
         self._names = [(0, "start")]
-        self.apply(-1, self._axiom(first, second))
+        self.apply(-1, self._axiom(seed))
         while self.pending.count:
-            if self.pending.count <= NARROW:
+            if self.pending.count <= NARROW and not self.program.scoped:
                 self._single.run()
             else:
                 (symbol, generation), shapes = self.pending.next()
@@ -77,10 +79,22 @@ class Frontier(Copying):
         """Where in the numbers of shapes those of each name begin."""
         return self._names
 
-    def _axiom(self, k0: int, k1: int) -> Shapes:
-        words = (np.array([k0], np.uint32), np.array([k1], np.uint32))
-        state = tuple(self._initial.values())
-        return Shapes(1, np.zeros(1, np.int32), *words, -1, (), state)
+    def _axiom(self, seed: int) -> Shapes:
+        """The first shapes: one, or those that the start stands on."""
+        state: dict[str, Column] = dict(self._initial)
+        count, many = 1, False
+        if self.program.scoped:
+            found = standing(self.program, self.bound.attrs, seed, self.pool)
+            count, many = len(found.size), found.many
+            names = (*"xyz", *"wijk", "sx", "sy", "sz")
+            columns = (*found.position.T, *found.rotation.T, *found.size.T)
+            state.update(zip(names, map(_column, columns), strict=True))
+            state["geo"] = _column(found.geometry)
+            self.counted.shapes = count
+            self.notes = found.notes
+        words = first_keys(seed, count, many)
+        numbers = np.arange(count, dtype=np.int32)
+        return Shapes(count, numbers, *words, -1, (), tuple(state.values()))
 
     # ------------------------------------------------------------------ batches
 
@@ -92,6 +106,8 @@ class Frontier(Copying):
             self._apply_meaning(symbol, shapes)
             return
         batch = Batch(self.bound, shapes.count, shapes.params, shapes.k0, shapes.k1)
+        if self.program.scoped:
+            batch.scope = Scope(dict(zip(self.fields, shapes.state, strict=True)), self)
         first = self.compiled.production(numbers[0])
         if first.guard is None and first.chance is None:
             self.apply(numbers[0], shapes)
@@ -283,6 +299,11 @@ class Frontier(Copying):
         if self._names[-1][1] != name:
             self._names.append((start, name))
         return start
+
+
+def _column(values: NDArray[np.float64]) -> Column:
+    """A column; one number where it is the same for all rows."""
+    return float(values[0]) if len(values) == 1 else np.ascontiguousarray(values)
 
 
 def _columns(values: Sequence[Column]) -> tuple[Column, ...]:

@@ -13,6 +13,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ipmlang.compiler import ir
+from ipmlang.compiler.diagnostics import fail
 from ipmlang.compiler.ops import FUNCTIONS
 from ipmlang.runtime import drawings
 from ipmlang.runtime.assemble import scene
@@ -20,6 +21,7 @@ from ipmlang.runtime.fields import fields
 from ipmlang.runtime.frontier import Frontier
 from ipmlang.runtime.primitives import UnscannableError
 from ipmlang.runtime.scene import Scene
+from ipmlang.runtime.scoping import unfit_notes
 from ipmlang.runtime.strings import steps_of
 from ipmlang.runtime.values import Bound
 
@@ -34,7 +36,9 @@ def derive_frontier(
 
     Raises IpmError where a limit is reached, no production applies, or a number is not finite.
     """
-    if not is_independent(program) or _modules(program) > LONG:
+    if program.scoped:
+        _refuse_threads(program)
+    elif not is_independent(program) or _modules(program) > LONG:
         return None
     bound = Bound(program, attrs, FUNCTIONS)
     initial = fields(program)
@@ -43,16 +47,42 @@ def derive_frontier(
         try:
             frontier.run(seed)
         except UnscannableError:
+            if program.scoped:
+                raise fail(
+                    "not-executable",
+                    "a `repeat` levels the turtle, or asks where it is, and moves on from there",
+                    hint="put brackets around what moves, or compute the place from the copy's "
+                    "number",
+                ) from None
             return None
         places = frontier.order.places(frontier.shapes, frontier.drawings)
         frontier.order.records.clear()
-        rows = drawings.rows(program, frontier.chunks, places, initial, frontier.grouping)
-    return scene(
+        rows = drawings.rows(
+            program, frontier.chunks, places, initial, frontier.grouping, frontier.pool
+        )
+    made = scene(
         program,
         rows,
         seed=seed,
         generations=frontier.generations,
         shapes=frontier.shapes + frontier.drawings,
+    )
+    made.solids = frontier.pool.solids()
+    made.reports = {key: (total, frontier.reports.counts[key])
+                    for key, total in sorted(frontier.reports.sums.items())}  # fmt: skip
+    made.notes += frontier.notes + unfit_notes(program, frontier.reports)
+    return made
+
+
+def _refuse_threads(program: ir.Program) -> None:
+    """A program with scopes expands shape by shape."""
+    if is_independent(program):
+        return
+    raise fail(
+        "not-executable",
+        "a program with scopes cannot hold a turtle that carries on behind a rule, `cut`, a "
+        "polygon, a tropism or a context yet",
+        hint="put brackets around a symbol that moves the turtle: [ Branch ]",
     )
 
 

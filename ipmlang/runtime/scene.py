@@ -70,11 +70,12 @@ class Instances:
 @dataclass(frozen=True, slots=True)
 class PenStyle:
     """What a pen sets beside width, colour and layer. `css`: SVG declarations that override the
-    asset's own; `material`: a name (3-D).
+    asset's own; `material`: a name (3-D); `texture`: an image file (3-D).
     """
 
     css: str = ""
     material: str = ""
+    texture: Path | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -99,6 +100,27 @@ class Groups:
 
     def __len__(self) -> int:
         return len(self.parent)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TextureMaps:
+    """The ways in which textures lie on what is drawn, m of them, in no order.
+
+    of (n,) int32: the way of each instance, -1: each side of its box is one image. projected (m,)
+    bool: by the plane of a frame, of which plane (m, 2) are the axes of u and v, position (m, 3)
+    and rotation (m, 4) are as in `Instances`, hand (m,) is -1 if it is mirrored; else on the sides
+    of the box. tile (m, 2): the size of an image in the world, NaN: that of the side; map
+    (m, 2, 3): what then happens to (u, v, 1).
+    """
+
+    of: NDArray[np.int32]
+    projected: NDArray[np.bool_]
+    plane: NDArray[np.int64]
+    position: NDArray[np.float64]
+    rotation: NDArray[np.float64]
+    hand: NDArray[np.float64]
+    tile: NDArray[np.float64]
+    map: NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,3 +158,5 @@ class Scene:
     notes: tuple[str, ...] = field(default=())
     groups: Groups | None = None
     solids: tuple[Solid, ...] = ()
+    texture_maps: TextureMaps | None = None
+    reports: dict[str, tuple[float, int]] = field(default_factory=dict)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from ipmlang.compiler import ir
 from ipmlang.compiler.ops.record import Function
 from ipmlang.runtime import keys
 from ipmlang.runtime.code import as_number, cell_of
+from ipmlang.runtime.fields import SCOPE
 from ipmlang.runtime.keys import Words
 from ipmlang.runtime.scan import Real, Whole
 
@@ -40,12 +41,37 @@ class Bound:
         ]
 
 
+class Measures(Protocol):
+    """Who measures geometry."""
+
+    def measure(self, what: str, sx: Value, sy: Value, sz: Value, geometry: Value) -> Value:
+        """The area, the volume or the number of sides of geometries."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scope:
+    """The states of a batch's shapes, by field, for guards that ask about scopes."""
+
+    state: Mapping[str, Value]
+    measures: Measures
+
+    def measured(self, what: str) -> Value:
+        """A measure of the shapes' geometries."""
+        return self.measures.measure(what, *(self.state[name] for name in SCOPE))
+
+    def take(self, rows: Whole) -> Scope:
+        """The states of some rows."""
+        state = {name: spread(value, rows) for name, value in self.state.items()}
+        return Scope(state, self.measures)
+
+
 @dataclass(slots=True, eq=False)
 class Batch:
     """`count` shapes of one production: parameters, key words, and whether each draws nothing.
 
     In a repeat a row is one copy: `owner` is its row in `outer`, `copies` are its numbers in the
-    repeats around it (repeat's number, numbers of the copies), outermost first.
+    repeats around it (repeat's number, numbers of the copies), outermost first. `scope`: what
+    guards may ask about the shapes, None for turtles.
     """
 
     bound: Bound
@@ -58,6 +84,7 @@ class Batch:
     owner: Whole | None = None
     copies: tuple[tuple[int, Words], ...] = ()
     registers: dict[int, Value] = field(default_factory=dict)
+    scope: Scope | None = None
 
     def get(self, register: int) -> Value:
         """A register's value, brought in from the batch around a repeat when first read there."""
@@ -101,6 +128,12 @@ class Batch:
                 return function.batch(*(self.get(register) for register in each.args))
             case "uniform":
                 return keys.uniform(self.k0, self.k1, each.site, *self.numbers())
+            case "state":
+                assert self.scope is not None
+                return self.scope.state.get(str(each.const), -1.0)
+            case "measure":
+                assert self.scope is not None
+                return self.scope.measured(str(each.const))
             case _:
                 raise AssertionError(f"{each.op} is no value instruction")
 
@@ -125,6 +158,7 @@ class Batch:
             self.k0[rows],
             self.k1[rows],
             None if self.silent is None else self.silent[rows],
+            scope=None if self.scope is None else self.scope.take(rows),
         )
 
     def repeated(self, number: int, counts: Whole, holes: Sequence[int]) -> Batch:

@@ -165,7 +165,9 @@ def _parts(scope: Scope, parts: Sequence[ast.Part], certain: bool) -> None:
 
 def _split(scope: Scope, split: ast.Split) -> None:
     record = OPERATIONS["split"]
-    scope.findings.not_ready.append(("split", ast.Span(split.span.start, split.span.start + 5)))
+    if not record.meaning:
+        place = ast.Span(split.span.start, split.span.start + 5)
+        scope.findings.not_ready.append(("split", place))
     if split.axis not in record.axes:
         scope.findings.trouble(
             ast.Span(split.span.start, split.span.start + len(f"split {split.axis}")),

@@ -67,7 +67,7 @@ class Analysis:
 
     def _moves_one(self, each: ir.Instruction) -> bool:
         if each.op == "module":
-            return self._moves[_number(each)]
+            return self._moves[_number(each)] and not self._symbols[_number(each)].held
         return each.op in MOVES or (each.op == "repeat" and self._displaces(each.body))
 
     def _read(self, body: Sequence[ir.Instruction], live: bool) -> tuple[bool, bool]:
@@ -90,6 +90,9 @@ class Analysis:
                 inner, start = self._read(each.body, again)
                 threads |= inner
                 live |= start
+            elif each.op in ("slab", "pieces", "part"):
+                threads |= self._read(each.body, live=False)[0]
+                live = True
         return threads, live
 
     def _expands(self, each: ir.Instruction) -> bool:
@@ -100,6 +103,20 @@ class Analysis:
         """Whether a module reads the state: it draws, or becomes something that may."""
         meaning = self._symbols[_number(each)].meaning or ()
         return self._expands(each) or any(step.op in READS for step in meaning)
+
+
+def scoped(symbols: Sequence[ir.Symbol], productions: Sequence[ir.Production]) -> bool:
+    """Whether anything asks for a scope or works on one."""
+    codes = [symbol.meaning or () for symbol in symbols]
+    for each in productions:
+        codes.append(each.body)
+        codes.append(() if each.guard is None else each.guard[0])
+        codes.append(() if each.chance is None else each.chance[1])
+    return any(_uses_scope(code) for code in codes)
+
+
+def _uses_scope(code: Sequence[ir.Instruction]) -> bool:
+    return any(each.op in ir.SCOPE_OPS or _uses_scope(each.body) for each in code)
 
 
 def flat(symbols: Sequence[ir.Symbol], tropism: tuple[float, float, float, float] | None) -> bool:

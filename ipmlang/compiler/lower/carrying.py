@@ -134,7 +134,7 @@ class _Told:
         return tuple(ir.Instruction("attr", out, const=a) for a, out in self.registers.items())
 
     def _one(self, each: ir.Instruction) -> ir.Instruction:
-        if each.op == "repeat":
+        if each.body:
             return replace(each, body=self.body(each.body))
         if each.op != "module":
             return each

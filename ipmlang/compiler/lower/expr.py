@@ -14,7 +14,7 @@ from typing import Literal, TypeAlias, assert_never
 from ipmlang.compiler import ast, ir
 from ipmlang.compiler.diagnostics import IpmError
 from ipmlang.compiler.lower.names import Unit
-from ipmlang.compiler.ops import CONSTANTS, FUNCTIONS, OPERATORS, PREFIXES
+from ipmlang.compiler.ops import CONSTANTS, FUNCTIONS, OPERATORS, PREFIXES, QUERIES
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,14 +56,23 @@ _Key: TypeAlias = tuple[ir.Opcode, object]
 
 @dataclass(slots=True, eq=False)
 class Pool:
-    """What the whole program shares: interned texts, and the numbers of attributes."""
+    """What the whole program shares: interned texts, the numbers of attributes and of assets."""
 
     strings: dict[str, int] = field(default_factory=dict)
     attrs: dict[str, int] = field(default_factory=dict)
+    assets: dict[ir.AssetFile, int] = field(default_factory=dict)
 
     def text(self, value: str) -> Known:
         """A text as its number."""
         return Known(float(self.strings.setdefault(value, len(self.strings))))
+
+    def asset(self, unit: Unit, name: str, item: ast.Asset) -> int:
+        """The number of an asset."""
+        file, _, node = item.reference.partition("#")
+        if item.by_name:
+            node = name.rpartition(".")[2]
+        made = ir.AssetFile(name, (unit.folder / file).absolute(), node or None)
+        return self.assets.setdefault(made, len(self.assets))
 
 
 @dataclass(slots=True, eq=False)
@@ -140,6 +149,24 @@ class Code:
         instructions = tuple(body.instructions)
         made = ir.Instruction("repeat", -1, registers, number, -1, instructions, place)
         self.instructions.append(made)
+
+    def structure(
+        self, op: ir.Opcode, args: Sequence[Operand], const: ir.Const, body: Code, span: ast.Span
+    ) -> None:
+        """A block that is done for a part of the shape, or for each of its parts."""
+        registers = tuple(self.register(arg) for arg in args)
+        place = (span.start, span.end)
+        self.instructions.append(
+            ir.Instruction(op, -1, registers, const, -1, tuple(body.instructions), place)
+        )
+
+    def state(self, field: str) -> Operand:
+        """An extent or the place of the scope, as it is here."""
+        return self._append("state", const=field)
+
+    def measure(self, what: str) -> Operand:
+        """A measure of the shape's geometry, as it is here."""
+        return self._append("measure", const=what)
 
     def number(self, value: float) -> Operand:
         """A known number."""
@@ -249,13 +276,26 @@ class Code:
                     number = self.pool.attrs.get(place.unit.prefix + item.name)
                     if number is not None:
                         return self.changed.get(number) or self.load("attr", number)
+                case ast.Asset() as item:
+                    name = expr.id.rpartition(".")[2]
+                    return Known(float(self.pool.asset(place.unit, name, item)))
                 case _:
                     pass
+        if expr.id in QUERIES and QUERIES[expr.id].ready:
+            return self._asked(expr.id)
         if expr.id in CONSTANTS:
             return Known(CONSTANTS[expr.id][0])
         raise self.error(
             expr.span, "not-executable", f"`{expr.id}` has no value that this version can compute"
         )
+
+    def _asked(self, name: str) -> Operand:
+        """What a name asks about the shape."""
+        if name in self.pool.attrs:  # which piece of its split: carried down like what is set
+            number = self.pool.attrs[name]
+            return self.changed.get(number) or self.load("attr", number)
+        of, _, what = name.partition(".")
+        return self.measure(what) if of == "geometry" else self.state(what)
 
     def _call(self, expr: ast.Call, names: Environment) -> Operand:
         args = [self.value(each.value, names) for each in self._ordered(expr)]

@@ -14,7 +14,9 @@ from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import IpmError
 from ipmlang.compiler.lower.expr import Binding, Code, Environment, Load, Operand, Row
 from ipmlang.compiler.lower.names import Unit
-from ipmlang.compiler.ops import OPERATIONS
+from ipmlang.compiler.lower.operands import form_for, operands
+from ipmlang.compiler.lower.split import Splitting, selector
+from ipmlang.compiler.ops import OPERATIONS, Operation
 
 
 class Namer(Protocol):
@@ -35,6 +37,13 @@ class Namer(Protocol):
     def refuse(self, code: Code, span: ast.Span, what: str) -> None:
         """Note that something is not executable yet."""
 
+    def operation(self, unit: Unit, name: str) -> Operation | None:
+        """The record of what a name does to a scope, None where it means something else."""
+
+    @property
+    def indices(self) -> tuple[int, int] | None:
+        """The attributes that hold `split.index` and `split.count`, None if nothing reads them."""
+
 
 class Body:
     """Writes one production's body; repeats are numbered as they come."""
@@ -46,8 +55,11 @@ class Body:
     def write(self, code: Code, elements: Sequence[ast.Element], names: Environment) -> None:
         """Append the elements to the code; what they `set` ends with them."""
         before = dict(code.changed)
-        for element in elements:
+        for number, element in enumerate(elements):
             match element:
+                case ast.Module() if self._spreads(code, element):
+                    self._spread(code, element, elements[number + 1 :], names)
+                    break
                 case ast.Module():
                     self._module(code, element, names)
                 case ast.Bracket():
@@ -59,8 +71,8 @@ class Body:
                 case ast.Block():
                     self._block(code, element, names)
                 case ast.Split():
-                    self._namer.refuse(code, element.span, "split")
-                    self._reach(code, _split_bodies(element.parts), names)
+                    splitting = Splitting(self.write, self._number, self._namer.indices)
+                    splitting.split(code, element, names)
                 case ast.Each():
                     self._namer.refuse(code, element.span, element.target.name)
                     self._reach(code, [part.body for part in element.parts], names)
@@ -79,13 +91,67 @@ class Body:
             raise code.error(element.span, "not-an-attribute", message)
         return code.pool.attrs[place.unit.prefix + item.name]
 
+    def _number(self) -> int:
+        """The number of a new repeat."""
+        self._repeats += 1
+        return self._repeats - 1
+
     def _module(self, code: Code, module: ast.Module, names: Environment) -> None:
-        symbol = self._namer.symbol(code.unit, module.name, len(module.args))
+        record = self._namer.operation(code.unit, module.name)
+        scoped = record is not None and bool(record.meaning)
+        arity = len(form_for(record, module.args)) if record and scoped else len(module.args)
+        symbol = self._namer.symbol(code.unit, module.name, arity)
         if symbol is None:
             self._namer.refuse(code, module.span, module.name)
             return
-        args = [code.value(each.value, names) for each in self._ordered(module)]
+        if record is not None and scoped:
+            args = operands(code, record, module.args, names)
+        else:
+            args = [code.value(each.value, names) for each in self._ordered(module)]
         code.module(symbol, args, module.span)
+
+    # -------------------------------------------------------------- parts of a shape
+
+    def _spreads(self, code: Code, module: ast.Module) -> bool:
+        record = self._namer.operation(code.unit, module.name)
+        return record is not None and record.spreads and bool(record.meaning)
+
+    def _spread(
+        self,
+        code: Code,
+        module: ast.Module,
+        rest: Sequence[ast.Element],
+        names: Environment,
+    ) -> None:
+        """An operation that makes parts, for each of which the rest of the bracket is done."""
+        part = ast.Part(None, tuple(rest), span=module.span)
+        self._pieces(code, module.name, module.args, (part,), module.span, names)
+
+    def _pieces(
+        self,
+        code: Code,
+        name: str,
+        args: Sequence[ast.Argument],
+        parts: Sequence[ast.Part],
+        span: ast.Span,
+        names: Environment,
+    ) -> None:
+        """An operation that takes the shape apart: the pieces of each part are copies of it."""
+        record = self._namer.operation(code.unit, name)
+        assert record is not None
+        values = operands(code, record, args, names)
+        number = self._number()
+        outer = code.block()
+        for part in parts:
+            inner = outer.block()
+            if self._namer.indices is not None:
+                index, count = self._namer.indices
+                inner.changed[index] = inner.load("index", number)
+                inner.changed[count] = inner.load("count", number)
+            self.write(inner, part.body, names)
+            outer.structure("part", (), selector(part.label), inner, part.span)
+        const = (record.name, number, code.site())
+        code.structure("pieces", values, const, outer, span)
 
     def _ordered(self, module: ast.Module) -> list[ast.Argument]:
         """Arguments in the order of the operation's parameters."""
@@ -103,6 +169,10 @@ class Body:
         return list(module.args)
 
     def _block(self, code: Code, block: ast.Block, names: Environment) -> None:
+        record = self._namer.operation(code.unit, block.name)
+        if record is not None and record.family == "solid" and record.meaning:
+            self._pieces(code, block.name, block.args, block.parts, block.span, names)
+            return
         opens = self._namer.mark(block.name, close=False)
         closes = self._namer.mark(block.name, close=True)
         if opens is None or closes is None:
@@ -123,8 +193,7 @@ class Body:
                 self.write(code.block(), body, names)
 
     def _repeat(self, code: Code, repeat: ast.Repeat, names: Environment) -> None:
-        number = self._repeats
-        self._repeats += 1
+        number = self._number()
         copy = Load("index", number)
         own: dict[str, Binding] = dict(names)
         if isinstance(repeat.head, ast.Count):
@@ -163,11 +232,3 @@ class Body:
         move = self._namer.symbol(code.unit, "f", 1)
         assert move is not None
         code.module(move, (code.row(Row(table, ("step",), copy), "step"),), repeat.span)
-
-
-def _split_bodies(parts: Sequence[ast.SplitPart | ast.SplitGroup]) -> list[Sequence[ast.Element]]:
-    """The bodies of all parts of a split, those of its groups too."""
-    bodies: list[Sequence[ast.Element]] = []
-    for part in parts:
-        bodies += [part.body] if isinstance(part, ast.SplitPart) else _split_bodies(part.parts)
-    return bodies

@@ -21,6 +21,7 @@ from ipmlang.compiler.lower.productions import axiom, production
 from ipmlang.compiler.lower.tables import Tables
 from ipmlang.compiler.ops import OPERATIONS, Operation
 
+SCOPE_FAMILIES = ("scope", "solid", "split")
 Key = tuple[int, str, int]  # the unit that defines it (0: none does), name, arity
 
 
@@ -32,6 +33,7 @@ class Lowering:
         self._pool = Pool()
         self._tables = Tables(self._pool)
         self._attrs = settings.attributes(self._pool, units)
+        self._indices = settings.indices(self._pool, units)
         self._turtle = settings.turtle(main)
         self._meanings = Meanings(self._pool, main, self._turtle)
         self._numbers: dict[Key, int] = {}
@@ -40,7 +42,6 @@ class Lowering:
         self._waiting: deque[tuple[int, Unit, str]] = deque()
         self._productions: list[ir.Production] = []
         self._changes: list[Changes] = []
-        self._assets: list[ir.AssetFile] = []
         self._refused: dict[str, list[Diagnostic]] = {}
 
     def program(self) -> ir.Program:
@@ -60,19 +61,23 @@ class Lowering:
         self._raise_refused()
         fixed = settings.fixed(self._pool, self._main)
         tropism = fixed.tropism
+        ground = settings.ground(self._pool, self._main, number, start.place)
+        scoped = ground is not None or analysis.scoped(self._symbols, (*self._productions, first))
+        if scoped:
+            self._symbols = [_terminal(each) for each in self._symbols]
         made = carried(self._symbols, self._productions, first, (*self._changes, behind))
         first = made.axiom
         found = analysis.Analysis(made.symbols, made.productions, start.steps is not None)
         canvas, size = settings.canvas(self._pool, self._main)
-        flat = analysis.flat(made.symbols, tropism)
+        flat = not scoped and analysis.flat(made.symbols, tropism)
         residual = self._residual(flat)
         return ir.Program(
             found.symbols(),
             made.productions,
             first,
-            self._attrs,
+            (*self._attrs, *settings.hidden(self._indices)),
             tuple(self._tables.data),
-            tuple(self._assets),
+            tuple(self._pool.assets),
             tuple(self._pool.strings),
             steps,
             found.threaded(first),
@@ -89,6 +94,8 @@ class Lowering:
             residual,
             fixed.late,
             self._main.source.path,
+            scoped,
+            ground,
         )
 
     # ------------------------------------------------------------------ what bodies ask
@@ -115,10 +122,12 @@ class Lowering:
         shown = record.name if record is not None and asset is None else own
         key = (id(owner) if rules or asset is not None else 0, shown, arity)
         if key not in self._numbers:
-            number = self._add(key, ir.Symbol(shown, arity))
+            held = record is not None and asset is None and record.family in SCOPE_FAMILIES
+            number = self._add(key, ir.Symbol(shown, arity, held=held and not rules))
             if asset is not None and place is not None:
                 self._give(
-                    number, (ir.Instruction("emit", const=self._asset(place.unit, own, asset)),)
+                    number,
+                    (ir.Instruction("emit", const=self._pool.asset(place.unit, own, asset)),),
                 )
             elif record is not None and steps is not None:
                 self._give(number, *self._meanings.of(record, arity, steps))
@@ -151,6 +160,21 @@ class Lowering:
     def steps_table(self, steps: tuple[float, ...]) -> int:
         """The number of a table of the lengths of moves."""
         return self._tables.steps(steps)
+
+    def operation(self, unit: Unit, name: str) -> Operation | None:
+        """The record of what a name does to a scope, None where it means something else."""
+        record = OPERATIONS.get(name)
+        if record is None or record.family not in SCOPE_FAMILIES:
+            return None
+        owner, own = unit.within(name)
+        spellings = _spellings(own, record)
+        ruled = any(each in owner.rules or each in owner.interpretations for each in spellings)
+        return None if ruled or owner.find(own) is not None else record
+
+    @property
+    def indices(self) -> tuple[int, int] | None:
+        """The attributes that hold `split.index` and `split.count`, None if nothing reads them."""
+        return self._indices
 
     def refuse(self, code: Code, span: ast.Span, what: str) -> None:
         """Note that an operation is not executable yet."""
@@ -198,14 +222,6 @@ class Lowering:
                 self._changes.append(behind)
         return tuple(numbers)
 
-    def _asset(self, unit: Unit, name: str, asset: ast.Asset) -> int:
-        file, _, node = asset.reference.partition("#")
-        if asset.by_name:
-            node = name.rpartition(".")[2]
-        made = ir.AssetFile(name, (unit.folder / file).absolute(), node or None)
-        self._assets.append(made)
-        return len(self._assets) - 1
-
     def _start(self) -> tuple[int, ast.Start]:
         found = list(self._main.items(ast.Start))
         if not found:
@@ -245,7 +261,8 @@ class Lowering:
 
     def _refuse_options(self, number: int, start: ast.Start) -> None:
         options = {
-            "on": start.place, "seeds": start.seeds, "direction": start.direction,
+            "on": None if start.place is None or start.place.kind != "surface" else start.place,
+            "seeds": start.seeds, "direction": start.direction,
             "with": start.sites or None, "avoiding": start.avoiding, "retries": start.retries,
         }  # fmt: skip
         for word, value in options.items():
@@ -268,6 +285,13 @@ class Lowering:
             hint = f"and in {more:,} more place{'s' if more > 1 else ''}" if more else None
             errors.append(replace(uses[0], hint=hint))
         raise IpmError(errors)
+
+
+def _terminal(symbol: ir.Symbol) -> ir.Symbol:
+    """A symbol that nothing gives a meaning draws its own scope or geometry."""
+    if symbol.meaning is not None or symbol.productions:
+        return symbol
+    return replace(symbol, meaning=(ir.Instruction("emit", const=-1),))
 
 
 def _spellings(name: str, record: Operation | None) -> tuple[str, ...]:

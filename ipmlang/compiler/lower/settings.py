@@ -120,6 +120,52 @@ def _number(pool: Pool, unit: Unit, item: int, expr: ast.Expr) -> float:
     )
 
 
+INDICES = {"split.index": 0.0, "split.count": 1.0}  # and what they are outside all splits
+
+
+def indices(pool: Pool, units: Sequence[Unit]) -> tuple[int, int] | None:
+    """The numbers of the attributes that hold `split.index` and `split.count`, which each split
+    sets for its parts; None where no file names them.
+    """
+    if not any(name in unit.source.text for unit in units for name in INDICES):
+        return None
+    first, second = (pool.attrs.setdefault(name, len(pool.attrs)) for name in INDICES)
+    return first, second
+
+
+def hidden(numbers: tuple[int, int] | None) -> tuple[ir.Attribute, ...]:
+    """The attributes that nobody wrote."""
+    if numbers is None:
+        return ()
+    return tuple(
+        ir.Attribute(name, "int", ((ir.Instruction("const", 0, const=value),), 0), 1, hidden=True)
+        for name, value in INDICES.items()
+    )
+
+
+def ground(pool: Pool, unit: Unit, number: int, place: ast.Place | None) -> ir.Ground | None:
+    """What the start stands on; None for a turtle, a unit square or a surface."""
+    if place is None or place.kind == "surface":
+        return None
+    if place.kind == "file":
+        assert place.reference is not None
+        return ir.Ground("file", path=(unit.folder / place.reference).absolute())
+    code = Code(pool, unit, number)
+    width = 3
+    exprs: list[ast.Expr] = list(place.args)
+    if place.kind == "polygon":
+        corners = [each.items if isinstance(each, ast.Tuple) else () for each in place.args]
+        widths = {len(each) for each in corners}
+        if len(widths) != 1 or not widths <= {2, 3}:
+            message = "the corners of a polygon are all (x, y), or all (x, y, z)"
+            raise unit.error(number, place.span, "wrong-arguments", message)
+        width = widths.pop()
+        exprs = [each for corner in corners for each in corner]
+    outputs = tuple(code.register(code.value(each, {})) for each in exprs)
+    made = tuple(code.instructions)
+    return ir.Ground(place.kind, made, code.counter.register, outputs, width)
+
+
 def turtle(unit: Unit) -> Settings:
     """The words of the `turtle` items, the last one of each."""
     return {

@@ -7,10 +7,10 @@ Records only; no executor runs them yet. A site is a symbol, a docker is what it
 from __future__ import annotations
 
 from ipmlang.compiler.ops.record import Param
-from ipmlang.compiler.ops.scope import planned
+from ipmlang.compiler.ops.scope import scoped
 
 TABLE = (
-    planned("tile", "Lay pieces out on a grid: each count n gives an axis the cells before, 1 to "
+    scoped("tile", "Lay pieces out on a grid: each count n gives an axis the cells before, 1 to "
                     "n, and "
             "after; a piece's label has one digit an axis: 1 before, 2 repeated, 3 after. `by` "
             "is the "

@@ -310,6 +310,24 @@ def mod_one(a: float, b: float) -> float:
     return 0.0 if _same_one(a, round(quotient) * b) else a % b + 0.0
 
 
+def tiles(length: Batch, size: Batch) -> Batch:
+    """The n for which length / n is nearest to size, at least 1; 0 where either is 0 or less.
+
+    It drops from n + 1 to n at size = (length / n + length / (n + 1)) / 2.
+    """
+    with quiet():
+        length, size = np.asarray(length, np.float64), np.asarray(size, np.float64)
+        least = np.maximum(floor(np.divide(length, size)), 1.0)
+        middle = (length / least + length / (least + 1.0)) / 2
+        found = least + lt(size, middle)
+        return np.where((length > 0) & (size > 0), found, 0.0 * (length + size))
+
+
+def tiles_one(length: float, size: float) -> float:
+    """The n for which length / n is nearest to size."""
+    return float(tiles(np.array(length), np.array(size)))
+
+
 def root(a: Batch) -> Batch:
     """The square root; NaN below 0."""
     with quiet():

@@ -112,6 +112,10 @@ NUMBERS = (
     Function("lerp", "`a` at t = 0, `b` at t = 1, on a straight line.",
              (*_A_B, Param("t")), "number", exact.lerp, exact.lerp_one,
              examples=("lerp(0, 10, 0.5)",), refused=("lerp(0, 10)",)),
+    Function("tiles", "How many tiles of about `size` fill `length`: the n for which length / n is "
+                      "nearest to it, at least 1; 0 where nothing is to fill.",
+             (Param("length"), Param("size")), "int", exact.tiles, exact.tiles_one,
+             examples=("tiles(8, 3)",), refused=("tiles(8)",)),
     Function("sqrt", "The square root.", _ONE, "number", exact.root, exact.root_one,
              examples=("sqrt(2)",), refused=("sqrt()",)),
 )  # fmt: skip

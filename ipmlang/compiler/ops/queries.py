@@ -13,7 +13,15 @@ _LABEL = (Param("label", "any", optional=True),)
 
 def _names(family: Family, kind: ValueType, docs: dict[str, str]) -> tuple[Query, ...]:
     return tuple(
-        Query(name, doc, kind, family, examples=(name,), refused=(f"{name}()",))
+        Query(
+            name,
+            doc,
+            kind,
+            family,
+            ready=family != "marching",
+            examples=(name,),
+            refused=(f"{name}()",),
+        )
         for name, doc in docs.items()
     )
 
@@ -32,7 +40,7 @@ NAMES = (
         "scope.z": "The z of the scope's origin in the world.",
         "geometry.area": "The area of the geometry's faces.",
         "geometry.volume": "The volume of a closed solid, else 0.",
-        "geometry.sides": "How many edges a polygon has.",
+        "geometry.sides": "How many edges a polygon has; of a solid, all its faces together.",
     }),
     *_names("scope", "string", {"shape.label": "The label that the shape was given last."}),
     *_names("marching", "number", {

@@ -41,7 +41,8 @@ class Param:
 @dataclass(frozen=True, slots=True)
 class Step:
     """One IR instruction of an operation's meaning. Each arg is a parameter's name (optionally
-    negated: `-angle`), or a number; a parameter that was left out takes `defaults` of the record.
+    negated: `-angle`), or a number; a parameter that was left out takes `defaults` of the record,
+    or NaN where these name none.
     The op `body` stands for the parts in braces (`polygon { … }`).
     """
 
@@ -59,7 +60,8 @@ class Operation:
     `meaning`: IR steps per form, same order as `forms`; empty when no executor runs it yet.
     `labels`: None when it takes no braces, else the labels its parts may bear ("*": any number,
     "*123": a number of these digits, "#": any name, '""': any text, "": parts without label).
-    `bare`: the braces may be left out. `axes`: words that may follow the name (split x).
+    `bare`: the braces may be left out. `spreads`: what follows it in its bracket is done for each
+    of the parts that it makes. `axes`: words that may follow the name (split x).
     `effect`: motion and pen leak out of a rule, scope ends with the body.
     `leaves_plane`: it can leave z = 0 (makes a program 3-D).
     `examples` must parse and check as a successor; `refused` must give at least one error.
@@ -75,6 +77,7 @@ class Operation:
     meaning: tuple[tuple[Step, ...], ...] = ()
     labels: tuple[str, ...] | None = None
     bare: bool = False
+    spreads: bool = False
     axes: tuple[str, ...] = ()
     leaves_plane: bool = False
     examples: tuple[str, ...] = ()

@@ -1,33 +1,40 @@
 """Operations on a shape's scope: its frame, size, labels and appearance, as architects know them.
 
-Records only. What they do ends with the body of the rule they stand in. None has a meaning yet: no
-executor runs them, and `run` names them.
+Records only. What they do ends with the body of the rule they stand in. A record without a meaning
+is one that no executor runs yet: `run` names it.
 """
 
 from __future__ import annotations
 
-from ipmlang.compiler.ops.record import Effect, Family, Operation, Param, ValueType
+from ipmlang.compiler.ops.record import Effect, Family, Operation, Param, Step, ValueType
 
 _XYZ = (Param("x"), Param("y"), Param("z"))
 _AXIS = Param("axis", "string", words=("x", "y", "z"))
 _AXES = ("x", "y", "z", "xy", "xz", "yz", "xyz")
 
 
-def planned(
+def scoped(
     name: str,
     doc: str,
     forms: tuple[tuple[Param, ...], ...] = ((),),
     examples: tuple[str, ...] = (),
     refused: tuple[str, ...] = (),
     *,
+    act: str | None = None,
+    meaning: tuple[Step, ...] = (),
     family: Family = "scope",
     effect: Effect = "scope",
     synonyms: tuple[str, ...] = (),
     labels: tuple[str, ...] | None = None,
     bare: bool = False,
+    spreads: bool = False,
     axes: tuple[str, ...] = (),
 ) -> Operation:
-    """A record of an operation that parses and checks, and that no executor runs yet."""
+    """A record whose meaning is `meaning`, or one instruction `act` with all that it is given."""
+    made = tuple(
+        (Step(act, tuple(param.name for param in form), name),) if act else meaning
+        for form in forms
+    )
     return Operation(
         name,
         family,
@@ -35,8 +42,10 @@ def planned(
         doc,
         forms=forms,
         synonyms=synonyms,
+        meaning=made if act or meaning else (),
         labels=labels,
         bare=bare,
+        spreads=spreads,
         axes=axes,
         leaves_plane=family != "pen",
         examples=examples,
@@ -55,69 +64,72 @@ def number(name: str, kind: ValueType = "number") -> Param:
 
 
 PLACE = (
-    planned("translate", "Move the scope along its own axes.", (_XYZ,),
+    scoped("translate", "Move the scope along its own axes.", (_XYZ,),
             ("translate(1, 0, 0) Window",), ("translate(1, 0)", 'translate("x", 0, 0)'),
-            synonyms=("t",)),
-    planned("rotate", "Turn the scope about its own x, then y, then z axis, in degrees.", (_XYZ,),
-            ("rotate(0, 0, 90) Window",), ("rotate(90)",), synonyms=("r",)),
-    planned("rotateScope", "Turn the scope about its own axes and leave the geometry where it is.",
-            (_XYZ,), ("rotateScope(0, 90, 0) Wall",), ("rotateScope(1)",)),
-    planned("size", "Set the scope's extent along x, y and z; its geometry is scaled with it.",
-            (_XYZ,), ("size(scope.sx, 2, 0.1) Sill",), ("size(1)",), synonyms=("s",)),
-    planned("center", "Move the scope to the middle of its parent along the axes named.",
-            ((words("axes", *_AXES),),), ("center(xy) Lamp",), ("center(q)", "center(1)")),
-    planned("mirrorScope", "Mirror the scope and its geometry along one of its axes.", ((_AXIS,),),
-            ("mirrorScope(x) Wing",), ("mirrorScope(q)",)),
-    planned("alignScopeToAxes", "Turn the scope so that its y axis is the world's, or all axes.",
+            synonyms=("t",), meaning=(Step("move", ("x", "y", "z")),)),
+    scoped("rotate", "Turn the scope about its own x, then y, then z axis, in degrees.", (_XYZ,),
+            ("rotate(0, 0, 90) Window",), ("rotate(90)",), synonyms=("r",),
+            meaning=tuple(Step("rotate", (axis,), axis) for axis in "xyz")),
+    scoped("rotateScope", "Turn the scope about its own axes and leave the geometry where it is.",
+            (_XYZ,), ("rotateScope(0, 90, 0) Wall",), ("rotateScope(1)",), act="solid"),
+    scoped("size", "Set the scope's extent along x, y and z; its geometry is scaled with it.",
+            (_XYZ,), ("size(scope.sx, 2, 0.1) Sill",), ("size(1)",), synonyms=("s",),
+            meaning=(Step("resize", ("x", "y", "z")),)),
+    scoped("center", "Move the scope to the middle of its parent along the axes named.",
+            ((words("axes", *_AXES),),), ("center(xy) Lamp",), ("center(q)", "center(1)"),
+            act="center"),
+    scoped("mirrorScope", "Mirror the scope and its geometry along one of its axes.", ((_AXIS,),),
+            ("mirrorScope(x) Wing",), ("mirrorScope(q)",), act="solid"),
+    scoped("alignScopeToAxes", "Turn the scope so that its y axis is the world's, or all axes.",
             ((), (words("axis", "x", "y", "z"),)), ("alignScopeToAxes(y) Mass",),
-            ("alignScopeToAxes(3)",)),
-    planned("alignScopeToGeometry", "Fit the scope to its geometry: z out of the largest face, x "
+            ("alignScopeToAxes(3)",), act="solid"),
+    scoped("alignScopeToGeometry", "Fit the scope to its geometry: z out of the largest face, x "
                                     "along "
             "its lowest or longest edge.",
             ((), (words("edge", "lowest", "longest", "first"),)),
-            ("alignScopeToGeometry Roof",), ("alignScopeToGeometry(3)",)),
-    planned("pivot", "Put the scope's origin at a corner, an edge's middle or the middle of its "
+            ("alignScopeToGeometry Roof",), ("alignScopeToGeometry(3)",), act="solid"),
+    scoped("pivot", "Put the scope's origin at a corner, an edge's middle or the middle of its "
                      "box.",
             ((words("place", "corner", "bottom", "middle", "top"),),), ("pivot(middle) Lamp",),
-            ("pivot(9)",)),
+            ("pivot(9)",), act="solid"),
 )  # fmt: skip
 
 FLOW = (
     Operation("nil", "scope", "structure", "Make nothing: the shape ends here.", meaning=((),),
               examples=("nil",), refused=("nil(1)",)),
-    planned("tag", "Give the shape's faces a tag that `comp` can select by.",
+    scoped("tag", "Give the shape's faces a tag that `comp` can select by.",
             ((Param("name", "string"),),), ('tag("street") Wall',), ("tag", "tag(1)"),
-            effect="structure"),
-    planned("label", "Give the shape a label that queries can ask for.",
+            effect="structure", act="solid"),
+    scoped("label", "Give the shape a label that queries can ask for.",
             ((Param("name", "string"),),), ('label("door") Door',), ("label(3)",),
-            effect="structure"),
-    planned("report", "Add a number to the report's sum under a key.",
+            effect="structure", meaning=(Step("pen", ("name",), "label"),)),
+    scoped("report", "Add a number to the report's sum under a key.",
             ((Param("key", "string"), Param("value")),), ('report("area", 12) Wall',),
-            ('report("area")', 'report("area", "big")'), effect="structure"),
-    planned("phase", "Expand what follows only when all shapes of earlier phases are done, so "
+            ('report("area")', 'report("area", "big")'), effect="structure", act="report"),
+    scoped("phase", "Expand what follows only when all shapes of earlier phases are done, so "
                      "that it "
             "can ask for totals.", ((Param("number", "int"),),), ("phase(2) Door",), ("phase",),
             effect="structure"),
 )  # fmt: skip
 
 LOOK = (
-    planned("texture", "Set the texture of what is drawn: an image beside the grammar.",
+    scoped("texture", "Set the texture of what is drawn: an image beside the grammar.",
             ((Param("file", "string", suffixes=(".png", ".jpg", ".jpeg")),),), (),
             ("texture(1)", 'texture("nowhere.png") Wall'),
             family="pen", effect="pen"),
-    planned("setupProjection", "Lay texture coordinates on the scope's plane, tiles of the given "
+    scoped("setupProjection", "Lay texture coordinates on the scope's plane, tiles of the given "
                                "size.",
             ((words("plane", "xy", "xz", "yz"), Param("width"), Param("height")),),
             ("setupProjection(xy, 2, 1) Wall",), ("setupProjection(2, 1)",)),
-    planned("projectUV", "Apply the projection that was set up.", ((),), ("projectUV Wall",),
+    scoped("projectUV", "Apply the projection that was set up.", ((),), ("projectUV Wall",),
             ("projectUV(1, 2)",)),
-    planned("rotateUV", "Turn the texture coordinates, in degrees.", ((Param("angle"),),),
+    scoped("rotateUV", "Turn the texture coordinates, in degrees.", ((Param("angle"),),),
             ("rotateUV(90) Wall",), ("rotateUV",)),
-    planned("tileUV", "Repeat the texture at this size.", ((Param("width"), Param("height")),),
+    scoped("tileUV", "Repeat the texture at this size.", ((Param("width"), Param("height")),),
             ("tileUV(2, 1) Wall",), ("tileUV(2)",)),
-    planned("translateUV", "Move the texture coordinates.", ((Param("u"), Param("v")),),
+    scoped("translateUV", "Move the texture coordinates.", ((Param("u"), Param("v")),),
             ("translateUV(0.5, 0) Wall",), ("translateUV(1)",)),
-    planned("scaleUV", "Scale the texture coordinates.", ((Param("u"), Param("v")),),
+    scoped("scaleUV", "Scale the texture coordinates.", ((Param("u"), Param("v")),),
             ("scaleUV(2, 2) Wall",), ("scaleUV(1)",)),
 )  # fmt: skip
 

@@ -1,13 +1,14 @@
 """Operations that make and take apart polygons and solids: extrude, comp, split, roofs, booleans.
 
-Records only. None has a meaning yet: no executor runs them, and `run` names them. `split` with its
-sizes has a syntax of its own; its record says which axes it knows.
+Records only. What makes another geometry of a shape's own is one instruction `solid`, what takes
+it apart one instruction `pieces`. `split` with its sizes has a syntax of its own; its record says
+which axes it knows. A record without a meaning is one that no executor runs yet.
 """
 
 from __future__ import annotations
 
 from ipmlang.compiler.ops.record import Operation, Param
-from ipmlang.compiler.ops.scope import number, planned, words
+from ipmlang.compiler.ops.scope import number, scoped, words
 
 _SIDES = (
     "front", "back", "left", "right", "side", "top", "bottom", "vertical", "horizontal", "aslant",
@@ -25,10 +26,12 @@ def _solid(
     *,
     labels: tuple[str, ...] | None = None,
     bare: bool = False,
+    spreads: bool = False,
     synonyms: tuple[str, ...] = (),
 ) -> Operation:
-    return planned(name, doc, forms, examples, refused, family="solid", labels=labels, bare=bare,
-                   synonyms=synonyms)  # fmt: skip
+    act = "pieces" if spreads or (labels is not None and not bare) else "solid"
+    return scoped(name, doc, forms, examples, refused, act=act, family="solid", labels=labels,
+                  bare=bare, spreads=spreads, synonyms=synonyms)  # fmt: skip
 
 
 _DISTANCE = (Param("distance"),)
@@ -88,7 +91,7 @@ TAKING_APART = (
             'comp { front and not "street": Wall | 3: Door }'),
            ("comp { sde: Facade }", "comp(3) { top: Roof }", "comp { Facade }", "comp"),
            labels=_SIDES),
-    planned("split", "Cut the shape along an axis into pieces of absolute `4.4`, relative `'0.5` "
+    scoped("split", "Cut the shape along an axis into pieces of absolute `4.4`, relative `'0.5` "
                      "and "
             "floating `~3` sizes; `{ … }*` repeats whole pieces, `{ … }+` a cut one too. `u` and "
             "`v` "
@@ -97,7 +100,7 @@ TAKING_APART = (
             ("split y { 4.4: Ground | { ~3.2: Floor }* | 0.6: Cornice }",
              "split x { ~1: Wall | '0.25: Pier | ~1: Wall }"),
             ("split q { 1: A }", 'split x { "big": A }', "split x { -2: A }", "split"),
-            family="split", axes=("x", "y", "z", "u", "v", "area")),
+            act="pieces", family="split", axes=("x", "y", "z", "u", "v", "area")),
     _solid("setback", "Cut a strip off along the edges; `shape` takes the rest, `border` the "
                       "strips.",
            ((Param("distance"), number("front"), number("side"), number("back"), number("area")),),
@@ -120,14 +123,16 @@ TAKING_APART = (
            ((Param("front"), Param("left"), Param("right"), Param("back")),),
            ("shapeO(8, 6, 6, 8) { shape: Mass | rest: Court }",), ("shapeO(8) { shape: Mass }",),
            labels=_ARMS),
-    _solid("trim", "Cut the shape with the planes of its neighbours in a split or comp.", ((),),
-           ("trim Wall",), ("trim(1)",)),
-    _solid("union", "Join the solids of the parts into one.", ((),), ("union { Mass | Wing }",),
-           ("union(3) { Mass }",), labels=("",)),
-    _solid("subtract", "Take the solids of the later parts from the first.", ((),),
-           ("subtract { Mass | Passage }",), ("subtract(3) { Mass }",), labels=("",)),
-    _solid("intersect", "Keep what all parts share.", ((),), ("intersect { Mass | Dome }",),
-           ("intersect(3) { Mass }",), labels=("",)),
+    scoped("trim", "Cut the shape with the planes of its neighbours in a split or comp.", ((),),
+           ("trim Wall",), ("trim(1)",), family="solid"),
+    scoped("union", "Join the solids of the parts into one.", ((),), ("union { Mass | Wing }",),
+           ("union(3) { Mass }",), labels=("",), family="solid"),
+    scoped("subtract", "Take the solids of the later parts from the first.", ((),),
+           ("subtract { Mass | Passage }",), ("subtract(3) { Mass }",), labels=("",),
+           family="solid"),
+    scoped("intersect", "Keep what all parts share.", ((),), ("intersect { Mass | Dome }",),
+           ("intersect(3) { Mass }",), labels=("",),
+           family="solid"),
     _solid("reverseNormals", "Turn all faces inside out.", ((),), ("reverseNormals Room",),
            ("reverseNormals(1)",)),
     _solid("convert", "Turn the geometry into its box, its outline or its faces' plane.",
@@ -135,14 +140,14 @@ TAKING_APART = (
     _solid("scatter", "Place points at random on the surface, in the volume or in the scope.",
            ((Param("count", "int"), words("over", "surface", "volume", "scope", named=True,
                                           optional=True)),),
-           ("scatter(20, over: surface) Tree",), ("scatter",)),
+           ("scatter(20, over: surface) Tree",), ("scatter",), spreads=True),
     _solid("octant", "Take the eighth of the shape beyond the point (x, y, z): 1 to 8, counted "
                      "x, y, z.",
            ((Param("x"), Param("y"), Param("z"), Param("octant", "int")),),
-           ("octant(4, 0, 3, 7) Tower",), ("octant(4, 0, 3)",)),
+           ("octant(4, 0, 3, 7) Tower",), ("octant(4, 0, 3)",), spreads=True),
     _solid("subdivide", "Fill the box with nx by ny by nz equal cells.",
            (tuple(Param(name, "int", above=0) for name in ("nx", "ny", "nz")),),
-           ("subdivide(3, 2, 1) Window",), ("subdivide(3)", "subdivide(0, 1, 1)")),
+           ("subdivide(3, 2, 1) Window",), ("subdivide(3)", "subdivide(0, 1, 1)"), spreads=True),
 )  # fmt: skip
 
 TABLE = MAKING + TAKING_APART

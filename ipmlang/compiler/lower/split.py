@@ -1,0 +1,315 @@
+"""Splits and parts in braces to code: size arithmetic, slabs of the scope, and pieces by selector.
+
+In go a `split` or a block such as `comp { … }`, out come instructions: registers for where each
+part begins and how long it is, one slab a part, one repeat a group. No executor knows a split; that
+a part which does not fit makes no shape is the slab's doing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+from ipmlang.compiler import ast, ir
+from ipmlang.compiler.lower.expr import Code, Environment, Known, Operand
+
+AXES = {"x": 0, "y": 1, "z": 2, "area": 3}  # `area`: along x, measured in area
+EXTENTS = {"x": "sx", "y": "sy", "z": "sz"}
+
+# what writes the body of one part: code, elements, names
+Write = Callable[[Code, Sequence[ast.Element], Environment], None]
+Parts = Sequence["ast.SplitPart | ast.SplitGroup"]
+
+
+@dataclass(frozen=True, slots=True)
+class Ordinal:
+    """Which piece of its split comes next, and how many there are; None where nobody asks."""
+
+    next: Operand
+    count: Operand
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """One part as it stands in its level: its size, or the period of its group, and of that how
+    much is fixed and how much floats.
+    """
+
+    part: ast.SplitPart | ast.SplitGroup
+    fixed: Operand
+    floating: Operand
+    floats: bool
+    inner: tuple[Piece, ...] = ()
+
+
+class Splitting:
+    """Writes one split. `numbers` gives a number to each repeat; `indices`: the attributes that
+    hold `split.index` and `split.count`, None where nothing reads them.
+    """
+
+    def __init__(
+        self, write: Write, numbers: Callable[[], int], indices: tuple[int, int] | None
+    ) -> None:
+        self._write = write
+        self._numbers = numbers
+        self._indices = indices
+
+    def split(self, code: Code, split: ast.Split, names: Environment) -> None:
+        """Append a split."""
+        if split.axis not in AXES or split.args:
+            what = f"split {split.axis}" if split.axis not in AXES else "snap"
+            message = f"operation `{what}` is not executable yet"
+            raise code.error(split.span, "not-executable", message)
+        axis = AXES[split.axis]
+        whole = code.measure("area") if axis == 3 else code.state(EXTENTS[split.axis])
+        level = _Level(self, axis, whole, names)
+        pieces = level.pieces(code, split.parts)
+        level.write(code, pieces, Known(0.0), whole, Known(0.0), None)
+
+    def body(
+        self,
+        code: Code,
+        axis: int,
+        part: ast.SplitPart,
+        low: Operand,
+        size: Operand,
+        ordinal: Ordinal | None,
+        names: Environment,
+    ) -> None:
+        """Append one part: a slab with the part's body."""
+        inner = code.block()
+        self.told(inner, ordinal)
+        self._write(inner, part.body, names)
+        code.structure("slab", (low, size), axis, inner, part.span)
+
+    def told(self, code: Code, ordinal: Ordinal | None) -> None:
+        """Tell what follows which piece it is."""
+        if self._indices is not None and ordinal is not None:
+            code.changed[self._indices[0]] = ordinal.next
+            code.changed[self._indices[1]] = ordinal.count
+
+    def number(self) -> int:
+        """The number of a new repeat."""
+        return self._numbers()
+
+    @property
+    def counts(self) -> bool:
+        """Whether anything asks which piece it is."""
+        return self._indices is not None
+
+
+class _Level:
+    """The parts between two braces: sizes are shared out here, once a level."""
+
+    def __init__(self, splitting: Splitting, axis: int, whole: Operand, names: Environment) -> None:
+        self._splitting = splitting
+        self._axis = axis
+        self._whole = whole
+        self._names = names
+
+    def pieces(self, code: Code, parts: Parts) -> tuple[Piece, ...]:
+        """The sizes of the parts, as far as they do not depend on each other."""
+        return tuple(self._piece(code, part) for part in parts)
+
+    def _piece(self, code: Code, part: ast.SplitPart | ast.SplitGroup) -> Piece:
+        if isinstance(part, ast.SplitPart):
+            value = code.call("max", (code.value(part.size.value, self._names), Known(0.0)))
+            if part.size.kind == "floating":
+                return Piece(part, Known(0.0), value, True)
+            if part.size.kind == "relative":
+                value = code.call("mul", (value, self._whole))
+            return Piece(part, value, Known(0.0), False)
+        inner = self.pieces(code, part.parts)
+        fixed = _total(code, [each.fixed for each in inner])
+        floating = _total(code, [each.floating for each in inner])
+        return Piece(part, fixed, floating, any(p.floats for p in inner), inner=inner)
+
+    def write(
+        self,
+        code: Code,
+        pieces: Sequence[Piece],
+        begin: Operand,
+        length: Operand,
+        first: Operand,
+        count: Operand | None,
+    ) -> None:
+        """Append the parts of a level that begins at `begin`; `first`: the number of its first
+        piece; `count`: how many pieces the split has, None: this level's own.
+        """
+        repeats, factor = self._shares(code, pieces, length)
+        sizes = [_sized(code, piece, factor) for piece in pieces]
+        made = self._made(code, pieces, repeats, sizes) if self._splitting.counts else repeats
+        if count is None:
+            count = _total(code, made) if self._splitting.counts else Known(0.0)
+        at: Operand = Known(0.0)
+        for piece, times, size, number in zip(pieces, repeats, sizes, made, strict=True):
+            if times is None:
+                size = code.call("min", (size, _minus(code, length, at)))
+                low = _plus(code, begin, at)
+                assert isinstance(piece.part, ast.SplitPart)
+                ordinal = Ordinal(first, count)
+                self._splitting.body(code, self._axis, piece.part, low, size, ordinal, self._names)
+            else:
+                room = _minus(code, length, at)
+                where = _plus(code, begin, at)
+                self._group(code, piece, times, size, where, room, first, count)
+                size = code.call("mul", (times, size))
+                if _cuts(piece):
+                    size = code.call("min", (size, room))
+            at = _plus(code, at, size)
+            if number is not None and self._splitting.counts:
+                first = code.call("add", (first, number))
+
+    def _shares(
+        self, code: Code, pieces: Sequence[Piece], length: Operand
+    ) -> tuple[list[Operand | None], Operand]:
+        """How often each group is repeated (None: a single part), and the factor of all floating
+        sizes.
+        """
+        groups = [each for each in pieces if isinstance(each.part, ast.SplitGroup)]
+        singles = [each for each in pieces if isinstance(each.part, ast.SplitPart)]
+        taken = _total(code, [p.fixed for p in singles] + [p.floating for p in singles])
+        room = code.call("max", (_minus(code, length, taken), Known(0.0)))
+        periods = {id(each): code.call("add", (each.fixed, each.floating)) for each in groups}
+        together = _total(code, periods.values())
+        repeats: list[Operand | None] = []
+        for each in pieces:
+            if id(each) not in periods:
+                repeats.append(None)
+                continue
+            period, share = periods[id(each)], room
+            if len(groups) > 1:
+                part = code.call("div", (period, together))
+                share = code.call("mul", (room, part))
+            repeats.append(_times(code, each, share, period))
+        pairs = list(zip(pieces, repeats, strict=True))
+        fixed = _total(code, [_all_of(code, each.fixed, times) for each, times in pairs])
+        floats = _total(code, [_all_of(code, each.floating, times) for each, times in pairs])
+        left = code.call("max", (_minus(code, length, fixed), Known(0.0)))
+        if isinstance(floats, Known) and floats.value == 0:
+            return repeats, Known(0.0)
+        some = code.call("gt", (floats, Known(0.0)))
+        return repeats, code.call("select", (some, code.call("div", (left, floats)), Known(0.0)))
+
+    def _made(
+        self,
+        code: Code,
+        pieces: Sequence[Piece],
+        repeats: Sequence[Operand | None],
+        sizes: Sequence[Operand],
+    ) -> list[Operand | None]:
+        """How many pieces each part makes, all copies together."""
+        made: list[Operand | None] = []
+        for piece, times, size in zip(pieces, repeats, sizes, strict=True):
+            if times is None:
+                made.append(Known(1.0))
+            else:
+                made.append(code.call("mul", (times, self._in_one(code, piece, size))))
+        return made
+
+    def _in_one(self, code: Code, piece: Piece, length: Operand) -> Operand:
+        """How many pieces one copy of a group makes, which is `length` long."""
+        repeats, factor = self._shares(code, piece.inner, length)
+        sizes = [_sized(code, each, factor) for each in piece.inner]
+        return _total(code, self._made(code, piece.inner, repeats, sizes))
+
+    def _group(
+        self,
+        code: Code,
+        piece: Piece,
+        times: Operand,
+        period: Operand,
+        begin: Operand,
+        room: Operand,
+        first: Operand,
+        count: Operand,
+    ) -> None:
+        """Append the copies of a group."""
+        number = self._splitting.number()
+        inner = code.block()
+        index = inner.load("index", number)
+        before = inner.call("mul", (index, period))
+        where = _plus(inner, begin, before)
+        length: Operand = period
+        if _cuts(piece):
+            left = inner.call("sub", (room, before))
+            length = inner.call("min", (period, left))
+        if self._splitting.counts:
+            each = self._in_one(inner, piece, period)
+            first = inner.call("add", (first, inner.call("mul", (index, each))))
+        self.write(inner, piece.inner, where, length, first, count)
+        code.repeat(number, (times,), inner, piece.part.span)
+
+
+def _cuts(piece: Piece) -> bool:
+    """Whether a group's last copy may be cut."""
+    return isinstance(piece.part, ast.SplitGroup) and piece.part.mode == "+" and not piece.floats
+
+
+def _times(code: Code, piece: Piece, room: Operand, period: Operand) -> Operand:
+    """How many copies of a group fit: floating ones are stretched, so the nearest number; of fixed
+    ones whole ones alone, and with `+` a cut one.
+    """
+    if piece.floats:
+        return code.call("tiles", (room, period))
+    rounded = "ceil" if _cuts(piece) else "floor"
+    found = code.call(rounded, (code.call("div", (room, period)),))
+    return code.call("select", (code.call("gt", (period, Known(0.0))), found, Known(0.0)))
+
+
+def _sized(code: Code, piece: Piece, factor: Operand) -> Operand:
+    return _plus(code, piece.fixed, _times_factor(code, piece.floating, factor))
+
+
+def _times_factor(code: Code, size: Operand, factor: Operand) -> Operand:
+    if isinstance(size, Known) and size.value in (0.0, 1.0):
+        return factor if size.value else size
+    return code.call("mul", (factor, size))
+
+
+def _minus(code: Code, a: Operand, b: Operand) -> Operand:
+    return a if isinstance(b, Known) and b.value == 0 else code.call("sub", (a, b))
+
+
+def _all_of(code: Code, size: Operand, times: Operand | None) -> Operand:
+    return size if times is None else code.call("mul", (times, size))
+
+
+def _total(code: Code, sizes: Iterable[Operand | None]) -> Operand:
+    """A sum; zeros that are known add nothing."""
+    total: Operand = Known(0.0)
+    for size in sizes:
+        if size is not None:
+            total = _plus(code, total, size)
+    return total
+
+
+def _plus(code: Code, a: Operand, b: Operand) -> Operand:
+    """a + b, where a zero that is known adds nothing."""
+    if isinstance(a, Known) and a.value == 0:
+        return b
+    if isinstance(b, Known) and b.value == 0:
+        return a
+    return code.call("add", (a, b))
+
+
+# ----------------------------------------------------------------------- parts by label
+
+
+def selector(label: ast.Expr | None) -> ir.Const:
+    """What a part's label selects, as nested tuples that executors read."""
+    match label:
+        case None:
+            return ("all",)
+        case ast.Name(name):
+            return ("word", name)
+        case ast.Text(value):
+            return ("word", value)
+        case ast.Number(value):
+            return ("index", int(value))
+        case ast.Unary("not", value):
+            return ("not", selector(value))
+        case ast.Binary("and" | "or" as op, left, right):
+            return (op, selector(left), selector(right))
+        case _:
+            raise AssertionError("the checker has seen to it")

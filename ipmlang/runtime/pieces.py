@@ -1,0 +1,434 @@
+"""The operations that take a shape apart, by name: faces, strips, cells, points.
+
+In go the scopes of a batch, out come for each selector the pieces that it takes: whose they are,
+their number, and their scopes, as columns. The first selector that takes a piece has it; pieces
+that none takes vanish. Nothing here makes children.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.compiler import ir
+from ipmlang.geometry.pieces import Piece
+from ipmlang.geometry.solid import Floats, GeometryError, Solid, unit_square
+from ipmlang.runtime import boxes, keys
+from ipmlang.runtime.boxes import FACE_QUATERNIONS, FACES, FLAT_FACE, SIZES, State
+from ipmlang.runtime.code import Column
+from ipmlang.runtime.keys import Words
+from ipmlang.runtime.pool import BOX, NOTHING
+from ipmlang.runtime.shaping import Given, Value
+from ipmlang.runtime.tables import Table, table
+
+Numbers = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Apart:
+    """One use of an operation: its arguments, the selectors of its parts, the scopes, the keys of
+    the shapes with the site and the copies, and the rows that are there (None: all).
+    """
+
+    given: Given
+    selectors: Sequence[ir.Const]
+    state: State
+    keys: tuple[Words, Words, int, tuple[Words, ...]]
+    shown: Numbers | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Batched:
+    """The m pieces of one part, those of each row together: how many each row has (n,), the row of
+    each piece (m,), its number in its row, how many its row has, and the scopes.
+    """
+
+    counts: Numbers
+    owner: Numbers
+    index: Words
+    many: Floats
+    state: State
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Found:
+    """The pieces of one kind of shape: corner (p, 3) and turn (p, 4) in its scope, sizes (p, 3),
+    numbers of geometries (p,), and the words of each.
+    """
+
+    corner: Floats
+    turn: Floats
+    size: Floats
+    geometry: Floats
+    words: Sequence[frozenset[str]]
+
+
+def apart(use: Apart) -> list[Batched]:
+    """The pieces that each selector takes."""
+    given = use.given
+    if given.name == "scatter":
+        return _by_row(use, lambda row: _scattered(use, row))
+    sizes = [use.state[name] for name in SIZES]
+    kinds = table(use.shown, given.count, use.state["geo"], *sizes, *given.args)
+    if given.name == "comp" and _all_boxes(use):
+        return _boxes_apart(use)
+    found = []
+    for number, sx, sy, sz, *args in kinds.rows():
+        made: Found | None = None
+        if number != NOTHING:
+            made = _taken_apart(use, int(number), np.array((sx, sy, sz)), given.resolved(args))
+        found.append(made)
+    return _spread(use, kinds, found)
+
+
+def _all_boxes(use: Apart) -> bool:
+    return bool(np.all(use.given.pool.are_boxes(use.state["geo"])))
+
+
+# ------------------------------------------------------------------------------ selecting
+
+
+def selects(selector: ir.Const, words: frozenset[str], number: int) -> bool:
+    """Whether a selector takes a piece with these words, by its number among all pieces.
+
+    >>> selects(("and", ("word", "side"), ("not", ("index", 2))), frozenset({"side"}), 2)
+    False
+    """
+    match selector:
+        case ("all",):
+            return True
+        case ("word", word):
+            return word in words
+        case ("index", index):
+            return index == number
+        case ("not", inner):
+            return not selects(inner, words, number)  # type: ignore[arg-type]
+        case ("and", left, right):
+            return selects(left, words, number) and selects(right, words, number)  # type: ignore[arg-type]
+        case ("or", left, right):
+            return selects(left, words, number) or selects(right, words, number)  # type: ignore[arg-type]
+        case _:
+            raise AssertionError(f"no selector: {selector!r}")
+
+
+def _taken(selectors: Sequence[ir.Const], words: Sequence[frozenset[str]]) -> list[list[int]]:
+    """For each selector the pieces that it is the first to take."""
+    found: list[list[int]] = [[] for _ in selectors]
+    for number, own in enumerate(words):
+        for place, selector in enumerate(selectors):
+            if selects(selector, own, number):
+                found[place].append(number)
+                break
+    return found
+
+
+# ---------------------------------------------------------------------------- faces of boxes
+
+
+def _boxes_apart(use: Apart) -> list[Batched]:
+    """The faces of shapes that fill their scopes, as columns."""
+    count = use.given.count
+    rows = np.arange(count) if use.shown is None else use.shown
+    sizes = np.stack([boxes.full(use.state[name], count)[rows] for name in SIZES], axis=1)
+    numbers = boxes.full(use.state["geo"], count)[rows].astype(np.int64)
+    flat = np.where((sizes <= 0).sum(axis=1) == 1, np.argmax(sizes <= 0, axis=1), -1)
+    lost = (sizes <= 0).sum(axis=1) > 1
+    code = np.where(lost, -1, numbers * 4 + flat + 1)
+    distinct, kind = np.unique(code, return_inverse=True)
+    kind = kind.reshape(-1)
+    chosen = [_faces_taken(use, each) for each in distinct.tolist()]
+    made = []
+    for place in range(len(use.selectors)):
+        many = np.array([len(each[place][0]) for each in chosen], np.int64)
+        own = many[kind]
+        counts = np.zeros(count, np.int64)
+        counts[rows] = own
+        owner = np.repeat(np.arange(len(rows)), own)
+        begins = np.cumsum(own) - own
+        index = np.arange(len(owner)) - begins[owner]
+        starts = np.cumsum(many) - many
+        at = starts[kind[owner]] + index
+        faces = np.array([face for each in chosen for face in each[place][0]], np.int64)[at]
+        tagged = np.array([tag for each in chosen for tag in each[place][1]], np.float64)
+        state = _face_state(use, rows[owner], sizes[owner], faces)
+        geometry: Column = float(BOX)
+        if len(tagged) and not (tagged == BOX).all():
+            geometry = tagged[at]
+        state["geo"] = geometry
+        made.append(
+            Batched(counts, rows[owner], index.astype(np.uint32), own[owner].astype(float), state)
+        )
+    return made
+
+
+def _faces_taken(use: Apart, code: int) -> list[tuple[list[int], list[int]]]:
+    """For each selector the faces that it takes of one kind of box, and their geometries."""
+    if code < 0:
+        return [([], []) for _ in use.selectors]
+    pool, number, flat = use.given.pool, code >> 2, (code & 3) - 1
+    tags = pool.tags(number)
+    faces = range(6) if flat < 0 else (FLAT_FACE[flat],)
+    own = tags if len(tags) == len(faces) else (frozenset[str](),) * len(faces)
+    if tags and len(tags) != len(faces):
+        own = (frozenset.intersection(*tags),) * len(faces)
+    words = [boxes.WORDS[face] | tag for face, tag in zip(faces, own, strict=True)]
+    found = []
+    for taken in _taken(use.selectors, words):
+        geometry = [pool.box((own[each],)) for each in taken]
+        found.append(([faces[each] for each in taken], geometry))
+    return found
+
+
+_CORNERS = np.array([corner for _, corner, _ in FACES], np.float64)
+_EXTENTS = np.array([extents for _, _, extents in FACES])
+
+
+def _face_state(use: Apart, rows: Numbers, sizes: Floats, faces: Numbers) -> State:
+    """The scopes of faces: x along the lower edge, z outward."""
+    frame = {name: _of(use.state[name], rows) for name in use.state if name not in (*SIZES, "geo")}
+    corner = _CORNERS[faces] * sizes
+    place = boxes.moved(frame, (corner[:, 0], corner[:, 1], corner[:, 2]))
+    turn = boxes.turned(frame, tuple(FACE_QUATERNIONS[faces].T))
+    each = np.arange(len(faces))
+    extents = _EXTENTS[faces]
+    sx, sy = sizes[each, extents[:, 0]], sizes[each, extents[:, 1]]
+    return {**frame, **place, **turn, "sx": sx, "sy": sy, "sz": 0.0}
+
+
+def _of(column: Column, rows: Numbers) -> Column:
+    return column[rows] if isinstance(column, np.ndarray) and column.ndim else column
+
+
+# ------------------------------------------------------------------------- any geometry
+
+
+def _taken_apart(use: Apart, number: int, size: Floats, args: list[Value]) -> Found:
+    solid = use.given.pool.local(number, size)
+    pieces = APART[use.given.name](solid, size, *args)
+    return _framed(use, pieces)
+
+
+def _framed(use: Apart, pieces: Sequence[Piece]) -> Found:
+    """The scopes of pieces in that of the shape."""
+    count = len(pieces)
+    corner, turn = np.zeros((count, 3)), np.tile((1.0, 0.0, 0.0, 0.0), (count, 1))
+    size, geometry = np.zeros((count, 3)), np.zeros(count)
+    turned = [place for place, piece in enumerate(pieces) if piece.axes is not None]
+    if turned:
+        turn[turned] = boxes.quaternion(np.array([pieces[place].axes for place in turned]))
+    for place, piece in enumerate(pieces):
+        solid = piece.solid
+        if piece.axes is not None:
+            solid = replace(solid, vertices=solid.vertices @ piece.axes.T)
+        number, low, size[place] = use.given.pool.add(solid)
+        corner[place] = low if piece.axes is None else low @ piece.axes
+        geometry[place] = number
+    return Found(corner, turn, size, geometry, [piece.words for piece in pieces])
+
+
+def _spread(use: Apart, kinds: Table, found: Sequence[Found | None]) -> list[Batched]:
+    """The pieces of every kind of shape, for all shapes."""
+    count = use.given.count
+    rows = np.arange(count) if use.shown is None else use.shown
+    taken = [
+        [[] for _ in use.selectors] if each is None else _taken(use.selectors, each.words)
+        for each in found
+    ]
+    known = [each for each in found if each is not None]
+    starts = np.cumsum([0, *(0 if each is None else len(each.words) for each in found)])
+    empty = Found(np.zeros((0, 3)), np.zeros((0, 4)), np.zeros((0, 3)), np.zeros(0), ())
+    columns = {
+        name: np.concatenate([getattr(empty, name), *(getattr(each, name) for each in known)])
+        for name in ("corner", "turn", "size", "geometry")
+    }
+    made = []
+    for place in range(len(use.selectors)):
+        own = [np.array(each[place], np.int64) + starts[k] for k, each in enumerate(taken)]
+        many = np.array([len(each) for each in own], np.int64)
+        flat = np.concatenate([np.zeros(0, np.int64), *own])
+        per_row = many[kinds.kind] if len(rows) else np.zeros(0, np.int64)
+        counts = np.zeros(count, np.int64)
+        counts[rows] = per_row
+        owner = np.repeat(np.arange(len(rows)), per_row)
+        index = np.arange(len(owner)) - (np.cumsum(per_row) - per_row)[owner]
+        at = flat[(np.cumsum(many) - many)[kinds.kind[owner]] + index]
+        chosen = {name: column[at] for name, column in columns.items()}
+        state = _piece_state(use, rows[owner], **chosen)
+        made.append(
+            Batched(
+                counts, rows[owner], index.astype(np.uint32), per_row[owner].astype(float), state
+            )
+        )
+    return made
+
+
+def _piece_state(
+    use: Apart, rows: Numbers, corner: Floats, turn: Floats, size: Floats, geometry: Floats
+) -> State:
+    frame = {name: _of(use.state[name], rows) for name in use.state if name not in (*SIZES, "geo")}
+    place = boxes.moved(frame, (corner[:, 0], corner[:, 1], corner[:, 2]))
+    own: State = {**frame, **place}
+    if (turn[:, 0] < 1.0).any():
+        own.update(boxes.turned(frame, tuple(turn.T)))
+    own.update(zip(SIZES, size.T, strict=True))
+    own["geo"] = geometry
+    return own
+
+
+def _by_row(use: Apart, made: Callable[[int], Found]) -> list[Batched]:
+    """Pieces that differ from row to row."""
+    rows = np.arange(use.given.count) if use.shown is None else use.shown
+    found = [made(int(row)) for row in rows]
+    kinds = Table((), use.shown, np.arange(len(rows)), np.arange(len(rows)))
+    return _spread(use, kinds, found)
+
+
+def _scattered(use: Apart, row: int) -> Found:
+    """Points at random on the surface, in the volume or in the scope of one shape."""
+    from ipmlang.geometry.scattering import scatter
+
+    given, state = use.given, use.state
+    values = [float(boxes.full(arg, given.count)[row]) for arg in given.args]
+    amount, over = given.resolved(values)
+    assert isinstance(amount, float)
+    if not 0 <= amount <= 1e7:
+        raise GeometryError(f"`scatter` cannot place {amount:g} points")
+    count = int(amount)
+    size = np.array([float(boxes.full(state[name], given.count)[row]) for name in SIZES])
+    k0, k1, site, copies = use.keys
+    one = slice(row, row + 1)
+    base = keys.child(k0[one], k1[one], site, *(each[one] for each in copies))
+    steps = np.arange(count, dtype=np.uint32)
+    wide = tuple(np.repeat(word, count) for word in base)
+    uniforms = np.stack([keys.uniform(*wide, axis, steps) for axis in range(3)], axis=1)
+    number = int(boxes.full(state["geo"], given.count)[row])
+    if number == NOTHING:
+        count, uniforms = 0, uniforms[:0]
+    solid = given.pool.local(number, size) if number else unit_square()
+    points = scatter(solid, count, str(over or "surface"), uniforms)
+    blank = np.zeros((len(points), 3))
+    turn = np.tile((1.0, 0.0, 0.0, 0.0), (len(points), 1))
+    words = [frozenset({"all"})] * len(points)
+    return Found(np.asarray(points), turn, blank, np.zeros(len(points)), words)
+
+
+# --------------------------------------------------------------------- bodies, by operation
+
+
+def _comp(solid: Solid, size: Floats, of: Value = None) -> list[Piece]:
+    from ipmlang.geometry import parts
+
+    match of:
+        case "edges":
+            return parts.edges(solid)
+        case "vertices":
+            return parts.vertices(solid)
+        case _:
+            return parts.faces(solid)
+
+
+def _setback(
+    solid: Solid,
+    size: Floats,
+    distance: Value,
+    front: Value,
+    side: Value,
+    back: Value,
+    area: Value,
+) -> list[Piece]:
+    from ipmlang.geometry.setbacks import setback
+
+    return setback(solid, _given(distance), front=_maybe(front), side=_maybe(side),
+                   back=_maybe(back), area=_maybe(area))  # fmt: skip
+
+
+def _offset(solid: Solid, size: Floats, distance: Value) -> list[Piece]:
+    from ipmlang.geometry.setbacks import offset
+
+    return offset(solid, _given(distance))
+
+
+def _inner_rect(solid: Solid, size: Floats) -> list[Piece]:
+    from ipmlang.geometry.rectangles import inner_rect
+
+    return inner_rect(solid)
+
+
+def _arms(name: str) -> Callable[..., list[Piece]]:
+    def body(solid: Solid, size: Floats, *widths: Value) -> list[Piece]:
+        from ipmlang.geometry import arms
+
+        make: Callable[..., list[Piece]] = getattr(arms, name)
+        return make(solid, *(_given(each) for each in widths))
+
+    return body
+
+
+def _octant(solid: Solid, size: Floats, x: Value, y: Value, z: Value, octant: Value) -> list[Piece]:
+    """q = 1 + [x > vx] + 2 [y > vy] + 4 [z > vz]."""
+    number = int(_given(octant))
+    if not 1 <= number <= 8:
+        raise GeometryError(f"there is no octant {number}", "octants are numbered 1 to 8")
+    bits = number - 1
+    spans = []
+    for axis, point in enumerate((x, y, z)):
+        at = float(np.clip(_given(point), 0.0, size[axis]))
+        spans.append((at, float(size[axis])) if bits >> axis & 1 else (0.0, at))
+    return list(_cells(solid, size, [spans]))
+
+
+def _subdivide(solid: Solid, size: Floats, nx: Value, ny: Value, nz: Value) -> list[Piece]:
+    counts = [max(int(_given(each)), 1) for each in (nx, ny, nz)]
+    counts = [count if size[axis] > 0 else 1 for axis, count in enumerate(counts)]
+    edges = [np.linspace(0.0, size[axis], count + 1) for axis, count in enumerate(counts)]
+    spans = [
+        [tuple(edges[axis][place : place + 2]) for axis, place in enumerate((i, j, k))]
+        for k in range(counts[2])
+        for j in range(counts[1])
+        for i in range(counts[0])
+    ]
+    return list(_cells(solid, size, spans))
+
+
+def _cells(
+    solid: Solid, size: Floats, spans: Sequence[Sequence[tuple[float, float]]]
+) -> Iterator[Piece]:
+    """The parts of a geometry in boxes of its scope."""
+    from ipmlang.geometry.slabs import slab
+
+    for box in spans:
+        part: Solid | None = solid
+        for axis, (low, high) in enumerate(box):
+            if size[axis] <= 0 or (low <= 0 and high >= size[axis]):
+                continue
+            if high - low <= 1e-9 * size[axis] or part is None:
+                part = None
+                break
+            part = slab(part, axis, low, high)
+        if part is not None and len(part):
+            yield Piece(frozenset({"all"}), part)
+
+
+def _given(value: Value) -> float:
+    assert isinstance(value, float)
+    return value
+
+
+def _maybe(value: Value) -> float | None:
+    return None if value is None else _given(value)
+
+
+APART: Mapping[str, Callable[..., list[Piece]]] = {
+    "comp": _comp,
+    "setback": _setback,
+    "offset": _offset,
+    "innerRect": _inner_rect,
+    "shapeL": _arms("shape_l"),
+    "shapeU": _arms("shape_u"),
+    "shapeO": _arms("shape_o"),
+    "octant": _octant,
+    "subdivide": _subdivide,
+}

@@ -1,0 +1,210 @@
+"""The geometries of one derivation: each once, in the unit box of its scope, under a number.
+
+In go solids in the coordinates of a scope, out come numbers that shapes carry in a column, with the
+box that the solid fills. Geometry that fills its scope as a box or a rectangle is marked so, since
+all of its operations are arithmetic on columns. No shape is known here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.geometry.solid import (
+    Floats,
+    Solid,
+    bounds,
+    placed,
+    tagged,
+    unit_box,
+    unit_square,
+)
+from ipmlang.runtime.scene import SCOPE, SOLID
+
+NOTHING, BOX = 0, 1  # numbers that are always the same: no geometry, and all of the scope
+SNAP = 1e-9  # of a geometry's size: extents below are none, corners this near are the scope's
+
+Load = Callable[[int], Solid]
+
+
+class Pool:
+    """Numbers for solids. `load` reads the geometry of an asset, by its number."""
+
+    def __init__(self, load: Load) -> None:
+        self._load = load
+        self._solids: list[Solid | None] = [None, None]
+        self._numbers: dict[object, int] = {}
+        self._kinds: list[int] = [SCOPE, SCOPE]
+        self._boxes: list[bool] = [False, True]
+        self._derived: dict[object, object] = {}
+        self._bounds: dict[int, tuple[Floats, Floats]] = {}
+        self._columns: tuple[NDArray[np.bool_], NDArray[np.int32]] | None = None
+
+    # ------------------------------------------------------------------------- asking
+
+    def are_boxes(self, numbers: float | Floats) -> NDArray[np.bool_]:
+        """Which geometries fill their scope, () or (n,)."""
+        found: NDArray[np.bool_] = self._tables()[0][np.asarray(numbers).astype(np.int64)]
+        return found
+
+    def kinds(self, numbers: Floats) -> NDArray[np.int32]:
+        """What terminals of these geometries are drawn as (n,): SCOPE, SOLID or an asset."""
+        found: NDArray[np.int32] = self._tables()[1][numbers.astype(np.int64)]
+        return found
+
+    def solids(self) -> tuple[Solid, ...]:
+        """All geometries in unit boxes, by number."""
+        blank = unit_square()
+        return tuple(blank if each is None else each for each in self._solids)
+
+    def tags(self, number: int) -> tuple[frozenset[str], ...]:
+        """The tags of a box's faces, in the order of `unit_box`; none for a plain one."""
+        solid = self._solids[number]
+        return () if solid is None else solid.tags
+
+    def unit(self, number: int, flat: int | None) -> Solid:
+        """A geometry in its unit box; `flat`: the axis along which its scope has no extent."""
+        if self._kinds[number] >= 0:
+            return self._unit_asset(self._kinds[number])
+        solid = self._solids[number]
+        if not self._boxes[number]:
+            assert solid is not None
+            return solid
+        made = unit_box() if flat is None else _rectangle(flat)
+        if solid is not None and len(solid) == len(made):
+            return replace(made, tags=solid.tags)
+        if solid is not None and solid.tags:
+            return tagged(made, *frozenset.intersection(*solid.tags))
+        return made
+
+    def local(self, number: int, size: Floats) -> Solid:
+        """A geometry in the coordinates of a scope of this size (3,)."""
+        none = np.flatnonzero(size <= 0)
+        if len(none) > 1 and self._boxes[number]:
+            return placed(unit_square(), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+        solid = self.unit(number, int(none[0]) if len(none) else None)
+        return placed(solid, size, (0.0, 0.0, 0.0))
+
+    def asset_bounds(self, asset: int) -> tuple[Floats, Floats]:
+        """The box of an asset's geometry, as its file has it."""
+        if asset not in self._bounds:
+            self._bounds[asset] = bounds(self._load(asset))
+        return self._bounds[asset]
+
+    def derived(self, key: object, make: Callable[[], object]) -> object:
+        """What follows from geometries, computed once."""
+        if key not in self._derived:
+            self._derived[key] = make()
+        return self._derived[key]
+
+    # ------------------------------------------------------------------------- adding
+
+    def add(self, solid: Solid) -> tuple[int, Floats, Floats]:
+        """The number of a solid, and the corner and size of its box."""
+        low, high = bounds(solid)
+        size = high - low
+        size[size <= SNAP * size.max()] = 0.0
+        return self.within(solid, low, size), low, size
+
+    def within(self, solid: Solid, low: Floats, size: Floats) -> int:
+        """The number of a solid whose scope is the box of this corner and size."""
+        if not len(solid):
+            return NOTHING
+        vertices = (solid.vertices - low) / np.where(size > 0, size, 1.0)
+        for bound in (0.0, 1.0):
+            vertices[np.abs(vertices - bound) <= SNAP] = bound
+        vertices[:, size <= 0] = 0.0
+        unit = replace(solid, vertices=vertices)
+        box = self._as_box(unit, size)
+        if box is not None:
+            return box
+        uv = b"" if unit.uv is None else unit.uv.tobytes()
+        parts = (unit.corners, unit.rings, unit.faces)
+        key = (np.round(vertices, 9).tobytes(), *(each.tobytes() for each in parts), unit.tags, uv)
+        return self._number(key, unit, SOLID, box=False)
+
+    def asset(self, asset: int) -> int:
+        """The number of an asset that fills its scope."""
+        return self._number(("asset", asset), None, asset, box=False)
+
+    def box(self, tags: tuple[frozenset[str], ...]) -> int:
+        """The number of a box, or of a rectangle, whose faces bear tags."""
+        if not any(tags):
+            return BOX
+        made = unit_box() if len(tags) == 6 else unit_square()
+        return self._number(("box", tags), replace(made, tags=tags), SCOPE, box=True)
+
+    def _number(self, key: object, solid: Solid | None, kind: int, *, box: bool) -> int:
+        found = self._numbers.get(key)
+        if found is None:
+            found = self._numbers[key] = len(self._solids)
+            self._solids.append(solid)
+            self._kinds.append(kind)
+            self._boxes.append(box)
+            self._columns = None
+        return found
+
+    def _as_box(self, unit: Solid, size: Floats) -> int | None:
+        """The number of a solid that is a whole box or rectangle, without texture coordinates."""
+        flat = np.flatnonzero(size <= 0)
+        if unit.uv is not None or not np.isin(unit.vertices, (0.0, 1.0)).all():
+            return None
+        if len(flat) == 1 and len(unit) == 1 and len(unit.corners) == 4:
+            return self._as_rectangle(unit, int(flat[0]))
+        if len(flat) or len(unit) != 6 or len(unit.corners) != 24:
+            return None
+        own = _box_faces(unit)
+        if own is None:
+            return None
+        return self.box(tuple(unit.tags[face] for face in own))
+
+    def _as_rectangle(self, unit: Solid, flat: int) -> int | None:
+        across = np.delete(unit.vertices[unit.corners], flat, axis=1)
+        if len({tuple(each) for each in across.tolist()}) != 4:
+            return None
+        from ipmlang.geometry.solid import normals
+
+        if normals(unit)[0] @ normals(_rectangle(flat))[0] < 0.5:
+            return None
+        return self.box(unit.tags)
+
+    def _unit_asset(self, asset: int) -> Solid:
+        def make() -> Solid:
+            low, high = self.asset_bounds(asset)
+            size = np.where(high > low, high - low, 1.0)
+            return placed(self._load(asset), 1.0 / size, -low / size)
+
+        made = self.derived(("asset", asset), make)
+        assert isinstance(made, Solid)
+        return made
+
+    def _tables(self) -> tuple[NDArray[np.bool_], NDArray[np.int32]]:
+        if self._columns is None:
+            self._columns = (np.array(self._boxes), np.array(self._kinds, np.int32))
+        return self._columns
+
+
+def _rectangle(flat: int) -> Solid:
+    """The unit square across an axis: facing up, to the front (-y), or to the right (+x)."""
+    square = unit_square()
+    x, y, zero = square.vertices.T
+    columns = {0: (zero, x, y), 1: (x, zero, y), 2: (x, y, zero)}[flat]
+    return replace(square, vertices=np.stack(columns, axis=1))
+
+
+def _box_faces(unit: Solid) -> list[int] | None:
+    """The faces of a box in the order of `unit_box`; None if it is not one, or inside out."""
+    from ipmlang.geometry.solid import normals
+
+    expected = normals(unit_box())
+    own = normals(unit)
+    found = []
+    for each in expected:
+        facing = np.flatnonzero(own @ each > 0.5)
+        if len(facing) != 1:
+            return None
+        found.append(int(facing[0]))
+    return found

@@ -1,0 +1,339 @@
+"""What bodies ask about scopes and their geometry: slabs, pieces, other solids, measures.
+
+In go columns of a batch, out come columns. Scopes that their geometry fills are arithmetic on
+columns; any other geometry is worked on once for each that differs, in the coordinates of its
+scope. Children and drawings are not made here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.compiler import ir
+from ipmlang.geometry.solid import GeometryError, Solid
+from ipmlang.runtime import boxes
+from ipmlang.runtime.boxes import AXES, ROTATION, SIZES, State, full
+from ipmlang.runtime.code import Column
+from ipmlang.runtime.copying import Copying, Numbers
+from ipmlang.runtime.keys import Words
+from ipmlang.runtime.limits import Counted
+from ipmlang.runtime.pieces import Apart, Batched, apart
+from ipmlang.runtime.pool import BOX, NOTHING, SNAP, Load, Pool
+from ipmlang.runtime.shaping import FAST, SHAPES, Given, Shaped
+from ipmlang.runtime.tables import table
+
+Floats = NDArray[np.float64]
+Rows = Numbers | None  # of a batch that are there; None: all
+Keys = tuple[Words, Words, int, tuple[Words, ...]]
+
+
+@dataclass(slots=True, eq=False)
+class Reports:
+    """Sums by key, and how many parts of splits did not fit, by production."""
+
+    sums: dict[str, float] = field(default_factory=dict)
+    counts: dict[str, int] = field(default_factory=dict)
+    unfit: dict[int, int] = field(default_factory=dict)
+
+
+class Scoping(Copying):
+    """The part of a run that works on scopes."""
+
+    def __init__(self, program: ir.Program, counted: Counted, load: Load) -> None:
+        super().__init__(program, counted)
+        self.pool = Pool(load)
+        self.reports = Reports()
+
+    # -------------------------------------------------------------------------- rows
+
+    def inner(
+        self, shown: Rows, count: int, owner: Numbers, clear: NDArray[np.bool_] | None
+    ) -> Rows:
+        """The copies that are there, of rows that are."""
+        if shown is None:
+            return None if clear is None else np.flatnonzero(clear)
+        found = self.mask(shown, count)[owner]
+        return np.flatnonzero(found if clear is None else found & clear)
+
+    def some(self, geometry: Column, count: int, shown: Rows) -> Rows:
+        """The rows that have any geometry."""
+        if np.all(geometry):
+            return shown
+        there = full(geometry, count) != NOTHING
+        return _narrowed(shown, there)
+
+    def extent(self, value: Column) -> Column:
+        """A size must be 0 or more."""
+        if not np.all(np.asarray(value) >= 0):
+            raise self.counted.error("negative-size", "`size` needs extents of 0 or more")
+        return value
+
+    # -------------------------------------------------------------------------- slabs
+
+    def slab(
+        self,
+        axis: int,
+        count: int,
+        low: Column,
+        size: Column,
+        sx: Column,
+        sy: Column,
+        sz: Column,
+        geometry: Column,
+        shown: Rows,
+    ) -> tuple[Rows, Column, Column, Column]:
+        """The parts between two planes across an axis (3: between two areas, along x): which rows
+        have any, where they begin, how long they are, and their geometries.
+        """
+        extent = (sx, sy, sz)[axis if axis < 3 else 0]
+        boxes_all = bool(np.all(self.pool.are_boxes(geometry)))
+        if axis == 3 and boxes_all:
+            whole = self.measure("area", sx, sy, sz, geometry)
+            share = np.divide(extent, whole) if np.all(whole) else 0.0
+            low, size = low * share, size * share
+        there = np.asarray(size > SNAP * np.asarray(extent))
+        if not there.all():
+            self._miss(there, shown, count)
+            shown = _narrowed(shown, np.broadcast_to(there, (count,)))
+        if boxes_all:
+            if not np.all(np.asarray(geometry) == BOX):
+                geometry = self._cut_boxes(axis, low, size, extent, geometry, count)
+            return shown, low, size, geometry
+        kinds = table(shown, count, geometry, low, size, sx, sy, sz)
+        found = np.zeros((len(kinds.first), 3))
+        for place, (number, begin, length, *sizes) in enumerate(kinds.rows()):
+            found[place] = self._cut(axis, int(number), begin, length, np.array(sizes))
+        rows = kinds.spread(found, np.array((0.0, 0.0, 0.0)), count)
+        shown = _narrowed(shown, rows[:, 2] != NOTHING)
+        return shown, rows[:, 0], rows[:, 1], rows[:, 2]
+
+    def _miss(self, there: NDArray[np.bool_], shown: Rows, count: int) -> None:
+        missing = ~np.broadcast_to(there, (count,))
+        many = int(missing.sum() if shown is None else missing[shown].sum())
+        rule = self.counted.rule
+        self.reports.unfit[rule] = self.reports.unfit.get(rule, 0) + many
+
+    def _cut(
+        self, axis: int, number: int, low: float, length: float, size: Floats
+    ) -> tuple[float, float, float]:
+        """Where a part begins, how long it is, and the number of its geometry."""
+        if number == NOTHING:
+            return low, length, NOTHING
+        own = axis if axis < 3 else 0
+        if axis == 3:
+            from ipmlang.geometry.areas import area_bounds
+
+            solid = self.pool.local(number, size)
+            low, length = self._tried(lambda: area_bounds(solid, low, length))
+        extent = float(size[own])
+        key = ("slab", number, own, low / extent, length / extent, tuple(size <= 0))
+
+        def make() -> int:
+            from ipmlang.geometry.slabs import slab
+
+            part = slab(self.pool.local(number, size), own, low, low + length)
+            if part is None:
+                return NOTHING
+            corner, sizes = np.zeros(3), size.copy()
+            corner[own], sizes[own] = low, length
+            return self.pool.within(part, corner, sizes)
+
+        found = self.pool.derived(key, lambda: self._tried(make))
+        assert isinstance(found, int)
+        return low, length, float(found)
+
+    def _cut_boxes(
+        self, axis: int, low: Column, size: Column, extent: Column, geometry: Column, count: int
+    ) -> Column:
+        """The numbers of boxes whose faces bear tags, now that some of these are cut."""
+        begins = np.asarray(low > SNAP * np.asarray(extent))
+        ends = np.asarray(low + size < np.asarray(extent) * (1 - SNAP))
+        columns = np.broadcast_arrays(np.asarray(geometry), begins, ends)
+        code = columns[0].astype(np.int64) * 4 + columns[1] * 2 + columns[2]
+        distinct, place = np.unique(code, return_inverse=True)
+        made = [self._cut_box(axis, each >> 2, each & 2, each & 1) for each in distinct.tolist()]
+        found = np.array(made, np.float64)[place.reshape(code.shape)]
+        return found if found.ndim else float(found)
+
+    def _cut_box(self, axis: int, number: int, begins: int, ends: int) -> int:
+        tags = list(self.pool.tags(number))
+        if len(tags) == 6:
+            near, far = {0: (5, 3), 1: (2, 4), 2: (0, 1), 3: (5, 3)}[axis]
+            for face, cut in ((near, begins), (far, ends)):
+                if cut:
+                    tags[face] = frozenset({"split.cut"})
+        return self.pool.box(tuple(tags)) if tags else number
+
+    # ------------------------------------------------------------------- other geometry
+
+    def solid(
+        self, name: str, count: int, args: Sequence[Column], state: State, shown: Rows
+    ) -> State:
+        """What an operation makes of scopes and geometries; the columns that it changes."""
+        given = Given(self.program, self.pool, name, args, count)
+        fast = FAST.get(name)
+        try:
+            if fast is not None:
+                made = fast(given, state)
+                if made is not None:
+                    return {**state, **made}
+            return self._solid(SHAPES[name], given, state, shown)
+        except GeometryError as error:
+            raise self._failed(error) from error
+
+    def _solid(
+        self, shape: Callable[..., Shaped], given: Given, state: State, shown: Rows
+    ) -> State:
+        """The same where geometries must be worked on."""
+        count = given.count
+        world = boxes.world_axes(state, count, given.world) if given.world else np.zeros((count, 0))
+        sizes = [state[name] for name in SIZES]
+        kinds = table(shown, count, state["geo"], *sizes, *world.T, *given.args)
+        found = np.zeros((len(kinds.first), 11))
+        for place, values in enumerate(kinds.rows()):
+            size, rest = np.array(values[1:4]), values[4:]
+            toward = np.array(rest[: world.shape[1]])
+            own = given.resolved(rest[world.shape[1] :])
+            made = shape(self.pool.local(int(values[0]), size), toward, *own)
+            found[place] = self._framed(made)
+        blank = np.array((*np.zeros(3), 1.0, *np.zeros(7)))
+        rows = kinds.spread(found, blank, count)
+        changed: State = dict(boxes.moved(state, (rows[:, 0], rows[:, 1], rows[:, 2])))
+        if given.turns:
+            changed.update(boxes.turned(state, tuple(rows[:, 3:7].T)))
+        changed.update(zip((*SIZES, "geo"), rows[:, 7:].T, strict=True))
+        return {**state, **changed}
+
+    def _framed(self, made: Shaped) -> tuple[float, ...]:
+        """A solid's corner in the scope it was made in, its turn, its size, and its number."""
+        from dataclasses import replace
+
+        solid, turn = made.solid, np.array((1.0, 0.0, 0.0, 0.0))
+        if made.axes is not None:
+            solid = replace(solid, vertices=solid.vertices @ made.axes.T)
+            turn = boxes.quaternion(made.axes)
+        number, low, size = self.pool.add(solid)
+        if made.axes is not None:
+            low = low @ made.axes
+        return (*low, *turn, *size, float(number))
+
+    def center(
+        self, _: str, count: int, args: Sequence[Column], state: State, base: State
+    ) -> State:
+        """Scopes moved to the middle of others, along the axes named."""
+        given = Given(self.program, self.pool, "center", args, count)
+        axes = str(given.resolved([float(np.ravel(args[0])[0])])[0])
+        middles = [
+            boxes.moved(each, tuple(each[name] * 0.5 for name in SIZES))  # type: ignore[arg-type]
+            for each in (state, base)
+        ]
+        apart = tuple(middles[1][axis] - middles[0][axis] for axis in AXES)
+        w, i, j, k = (state[axis] for axis in ROTATION)
+        scale = np.abs(state["scale"]) if "scale" in state else 1.0
+        back = boxes.rotated((w, -i, -j, -k), apart)
+        local = (back[0] * boxes.hand(state) / scale, back[1] / scale, back[2] / scale)
+        step = tuple(by if axis in axes else 0.0 for axis, by in zip(AXES, local, strict=True))
+        return boxes.moved(state, step)  # type: ignore[arg-type]
+
+    # ------------------------------------------------------------------------- parts
+
+    def pieces(
+        self,
+        name: str,
+        selectors: Sequence[ir.Const],
+        count: int,
+        args: Sequence[Column],
+        state: State,
+        keys: Keys,
+        shown: Rows,
+    ) -> list[Batched]:
+        """The parts that an operation makes, in a batch for each selector."""
+        given = Given(self.program, self.pool, name, args, count)
+        try:
+            made = apart(Apart(given, selectors, state, keys, shown))
+        except GeometryError as error:
+            raise self._failed(error) from error
+        self.counted.copy(float(sum(len(each.owner) for each in made)))
+        return made
+
+    # ---------------------------------------------------------------------- measuring
+
+    def measure(self, what: str, sx: Column, sy: Column, sz: Column, geometry: Column) -> Column:
+        """The area, the volume or the number of sides of geometries."""
+        if np.all(np.asarray(geometry) <= BOX):
+            return np.where(np.asarray(geometry) > 0, _measured_box(what, sx, sy, sz), 0.0)
+        count = max(np.size(each) for each in (sx, sy, sz, geometry))
+        kinds = table(None, count, geometry, sx, sy, sz)
+        found = np.array([
+            [_measured(what, self.pool.local(int(number), np.array(size)))] if number else [0.0]
+            for number, *size in kinds.rows()
+        ])  # fmt: skip
+        return kinds.spread(found, np.zeros(1), count)[:, 0]
+
+    def report(self, count: int, args: Sequence[Column], shown: Rows) -> None:
+        """Add to the sums under keys."""
+        keys, values = full(args[0], count), full(args[1], count)
+        if shown is not None:
+            keys, values = keys[shown], values[shown]
+        for number in np.unique(keys).tolist():
+            key, own = self.program.strings[int(number)], values[keys == number]
+            self.reports.sums[key] = self.reports.sums.get(key, 0.0) + float(own.sum())
+            self.reports.counts[key] = self.reports.counts.get(key, 0) + len(own)
+
+    # ------------------------------------------------------------------------ trouble
+
+    def _tried(self, make: Callable[[], object]) -> object:
+        try:
+            return make()
+        except GeometryError as error:
+            raise self._failed(error) from error
+
+    def _failed(self, error: GeometryError) -> Exception:
+        return self.counted.error("bad-geometry", error.message, hint=error.hint)
+
+
+def _narrowed(shown: Rows, there: NDArray[np.bool_]) -> Rows:
+    """The rows that are there, of those shown."""
+    if there.all():
+        return shown
+    return np.flatnonzero(there) if shown is None else shown[there[shown]]
+
+
+def _measured_box(what: str, sx: Column, sy: Column, sz: Column) -> Column:
+    if what == "volume":
+        return sx * sy * sz
+    if what == "sides":
+        return np.where((np.asarray(sx) > 0) & (np.asarray(sy) > 0) & (np.asarray(sz) > 0), 24, 4)
+    solid = (np.asarray(sx) > 0) & (np.asarray(sy) > 0) & (np.asarray(sz) > 0)
+    once = sx * sy + sy * sz + sx * sz
+    return np.where(solid, 2.0 * once, once)
+
+
+def _measured(what: str, solid: Solid) -> float:
+    from ipmlang.geometry.solid import area, is_closed, volume
+
+    if what == "area":
+        return area(solid)
+    if what == "sides":
+        return float(len(solid.corners))
+    return volume(solid) if is_closed(solid) else 0.0
+
+
+def unfit_notes(program: ir.Program, reports: Reports) -> tuple[str, ...]:
+    """A note for each rule whose splits left parts out: of no size, or without room."""
+    notes = []
+    for rule, many in sorted(reports.unfit.items()):
+        if not many:
+            continue
+        production = program.axiom if rule < 0 else program.productions[rule]
+        name = "start" if production.symbol < 0 else program.symbols[production.symbol].name
+        what = "1 part of a split was" if many == 1 else f"{many:,} parts of splits were"
+        where = f" ({production.path}:{production.line})" if production.line else ""
+        notes.append(
+            f"rule {name}{where}: {what} not made, since no room was left or its size is 0"
+        )
+    return tuple(notes)

@@ -1,0 +1,396 @@
+"""The operations that give a shape another geometry or another frame, by name.
+
+In go a scope's geometry in its own coordinates, axes of the world there, and the operation's
+arguments; out comes a solid and perhaps axes for the scope. What fills its scope has a columnar
+body as well (`FAST`), which comes first; it gives None where it cannot serve. Nothing here knows
+rules or children.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.compiler import ir
+from ipmlang.compiler.ops import OPERATIONS
+from ipmlang.geometry.solid import BOX_TAGS, Floats, GeometryError, Solid, tagged
+from ipmlang.runtime import boxes
+from ipmlang.runtime.algebra import cosine_and_sine
+from ipmlang.runtime.bodies import TURNING
+from ipmlang.runtime.boxes import SIZES, State, full
+from ipmlang.runtime.code import Column
+from ipmlang.runtime.pool import BOX, Pool
+
+Value: TypeAlias = "float | str | None"
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shaped:
+    """A solid in the coordinates of the scope it was made in; `axes` (3, 3): the unit axes of its
+    new scope as rows in those, None where the scope keeps its own.
+    """
+
+    solid: Solid
+    axes: Floats | None = None
+
+
+class Given:
+    """The arguments of one use of an operation, for a batch of `count` shapes."""
+
+    def __init__(
+        self, program: ir.Program, pool: Pool, name: str, args: Sequence[Column], count: int
+    ) -> None:
+        self.program = program
+        self.pool = pool
+        self.name = name
+        self.args = tuple(args)
+        self.count = count
+        self.world = WORLD.get(name, "")
+        self.turns = name in TURNING
+        self._texts = _texts(name, len(args))
+
+    def resolved(self, values: Sequence[float]) -> list[Value]:
+        """The arguments of one shape: texts instead of their numbers, None where not given."""
+        return [
+            None if math.isnan(value) else self.program.strings[int(value)] if text else value
+            for value, text in zip(values, self._texts, strict=True)
+        ]
+
+    def word(self, place: int) -> str | None:
+        """A text that is the same for all shapes; None where it is not given."""
+        found = np.unique(np.asarray(self.args[place], np.float64))
+        if len(found) > 1:
+            raise GeometryError(f"the words of `{self.name}` must be the same for all shapes")
+        return None if np.isnan(found[0]) else self.program.strings[int(found[0])]
+
+
+def _texts(name: str, count: int) -> tuple[bool, ...]:
+    """Which parameters of an operation's form are texts."""
+    for form in OPERATIONS[name].forms:
+        if len(form) == count:
+            return tuple(bool(each.words) or each.type == "string" for each in form)
+    return (False,) * count
+
+
+def _number(value: Value, default: float = 0.0) -> float:
+    assert not isinstance(value, str)
+    return default if value is None else value
+
+
+# --------------------------------------------------------------------------- columnar bodies
+
+
+def _boxes(given: Given, state: Mapping[str, Column]) -> Flags | None:
+    """Whether all geometries fill their scopes; where each has no extent (3, count)."""
+    if not np.all(given.pool.are_boxes(state["geo"])):
+        return None
+    sizes = np.broadcast_arrays(*(np.asarray(state[name]) for name in SIZES))
+    return np.stack([np.asarray(each) <= 0 for each in sizes])
+
+
+EXTRUDED = tuple(
+    frozenset({f"extrude.{word if word in ('top', 'bottom') else 'side'}"}) for word in BOX_TAGS
+)
+
+
+def _extrude(given: Given, state: State) -> State | None:
+    """A rectangle becomes a box."""
+    flat = _boxes(given, state)
+    along = given.word(1)
+    if flat is None or not (flat[2] & ~flat[0] & ~flat[1]).all():
+        return None
+    if along not in (None, "normal", "z"):
+        return None
+    height = given.args[0]
+    if not np.all(np.isfinite(height)) or np.any(np.asarray(height) == 0):
+        return None
+    below = np.minimum(height, 0.0)
+    place = boxes.moved(state, (0.0, 0.0, below)) if np.any(below) else {}
+    geometry = float(given.pool.box(EXTRUDED))
+    return {**place, "sz": np.abs(height), "geo": geometry}
+
+
+def _cube(given: Given, state: State) -> State:
+    return {"geo": float(BOX)}
+
+
+def _quad(given: Given, state: State) -> State:
+    return {"geo": float(BOX), "sz": 0.0}
+
+
+def _primitive(given: Given, state: State) -> State | None:
+    from ipmlang.geometry import primitives
+
+    sides = np.unique(np.asarray(given.args[0])) if given.args else np.array([SIDES[given.name]])
+    if len(sides) > 1:
+        return None
+    count = int(sides[0])
+    key = (given.name, count)
+    make: Callable[[int], Solid] = getattr(primitives, given.name)
+    found = given.pool.derived(key, lambda: given.pool.add(make(count))[0])
+    assert isinstance(found, int)
+    flat = {"sz": 0.0} if given.name == "disk" else {}
+    return {"geo": float(found), **flat}
+
+
+SIDES = {"cylinder": 24, "cone": 24, "sphere": 16, "disk": 24}
+
+
+def _mirror(given: Given, state: State) -> State:
+    return boxes.mirrored(state, "xyz".index(str(given.word(0))))
+
+
+def _insert(given: Given, state: State) -> State:
+    """An asset takes the place of the geometry, stretched to the scope or fitted into it."""
+    asset = np.unique(np.asarray(given.args[0]))
+    parts = [_inserted(given, state, int(each)) for each in asset.tolist()]
+    if len(parts) == 1:
+        return parts[0]
+    own = full(given.args[0], given.count)
+    names = parts[0].keys()
+    return {
+        name: np.select(
+            [own == each for each in asset], [full(part[name], given.count) for part in parts]
+        )
+        for name in names
+    }
+
+
+def _inserted(given: Given, state: State, asset: int) -> State:
+    low, high = given.pool.asset_bounds(asset)
+    natural = high - low
+    fit = given.word(1) or "scope"
+    keep = bool(np.any(np.nan_to_num(np.asarray(given.args[2])) != 0)) or fit == "inside"
+    align = given.word(3) or ("corner" if fit == "none" else "middle")
+    scope = [full(state[name], given.count) for name in SIZES]
+    # an axis along which either has no extent says nothing of how much the asset is scaled
+    factors = [
+        np.where((size > 0) & (own > 0), size / (own or 1.0), np.nan)
+        for size, own in zip(scope, natural.tolist(), strict=True)
+    ]
+    known = np.stack(factors)
+    one = np.where(np.isnan(known), np.inf, known).min(axis=0)
+    one = np.where(np.isfinite(one) & (fit != "none"), one, 1.0)
+    if keep or fit == "none":
+        sizes = [own * one for own in natural.tolist()]
+    else:
+        sizes = [
+            np.where(np.isnan(factor), own * one, size)
+            for factor, own, size in zip(factors, natural.tolist(), scope, strict=True)
+        ]
+    share = {"corner": (0.0, 0.0, 0.0), "bottom": (0.5, 0.5, 0.0),
+             "middle": (0.5, 0.5, 0.5), "top": (0.5, 0.5, 1.0)}[align]  # fmt: skip
+    step = tuple(
+        np.where(size > 0, (size - own) * part, 0.0)
+        for size, own, part in zip(scope, sizes, share, strict=True)
+    )
+    place = boxes.moved(state, step) if any(np.any(each) for each in step) else {
+        axis: state[axis] for axis in boxes.AXES
+    }  # fmt: skip
+    number = float(given.pool.asset(asset))
+    return {**place, **dict(zip(SIZES, sizes, strict=True)), "geo": number}
+
+
+def _tag(given: Given, state: State) -> State | None:
+    """Tags on the faces: the geometry is another one, the scope stays."""
+    word = given.word(0)
+    numbers = np.asarray(state["geo"])
+    distinct, place = np.unique(numbers, return_inverse=True)
+    flat = _boxes(given, state)
+    if flat is None or word is None:
+        return None
+    solid = ~flat.any(axis=0)
+    made = np.zeros((2, len(distinct)))
+    for column, number in enumerate(distinct.astype(int).tolist()):
+        for kind, faces in enumerate((1, 6)):
+            tags = given.pool.tags(number) or (frozenset[str](),) * faces
+            if len(tags) != faces:
+                tags = (frozenset.intersection(*tags),) * faces
+            made[kind, column] = given.pool.box(tuple(each | {word} for each in tags))
+    found = made[np.broadcast_to(solid, numbers.shape or solid.shape).astype(int),
+                 place.reshape(numbers.shape)]  # fmt: skip
+    return {"geo": found if found.ndim else float(found)}
+
+
+FAST: Mapping[str, Callable[[Given, State], State | None]] = {
+    "extrude": _extrude,
+    "cube": _cube,
+    "quad": _quad,
+    "cylinder": _primitive,
+    "cone": _primitive,
+    "sphere": _primitive,
+    "disk": _primitive,
+    "mirrorScope": _mirror,
+    "insert": _insert,
+    "tag": _tag,
+}
+
+
+# -------------------------------------------------------------------- bodies of one geometry
+
+
+def _one_extrude(solid: Solid, world: Floats, height: Value, along: Value = None) -> Shaped:
+    from ipmlang.geometry.raising import extrude
+
+    fixed = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+    direction = None
+    if along == "up":
+        direction = world
+    elif isinstance(along, str) and along in fixed:
+        direction = np.array(fixed[along])
+    return Shaped(extrude(solid, _number(height), direction))
+
+
+def _one_taper(solid: Solid, world: Floats, height: Value, inset: Value = None) -> Shaped:
+    from ipmlang.geometry.raising import taper
+
+    return Shaped(taper(solid, _number(height), None if inset is None else _number(inset)))
+
+
+def _roof(name: str) -> Callable[..., Shaped]:
+    def body(solid: Solid, world: Floats, angle: Value, overhang: Value, ridge: Value) -> Shaped:
+        from ipmlang.geometry import roofs
+
+        make = getattr(roofs, name)
+        more = {} if ridge is None or name == "roof_hip" else {"ridge": _number(ridge)}
+        return Shaped(make(solid, _number(angle), overhang=_number(overhang), **more))
+
+    return body
+
+
+def _one_pyramid(solid: Solid, world: Floats, height: Value) -> Shaped:
+    from ipmlang.geometry.roofs import roof_pyramid
+
+    return Shaped(roof_pyramid(solid, _number(height)))
+
+
+def _one_mansard(
+    solid: Solid, world: Floats, lower: Value, height: Value, upper: Value, overhang: Value
+) -> Shaped:
+    from ipmlang.geometry.roofs import roof_mansard
+
+    numbers = (_number(lower), _number(height), _number(upper))
+    return Shaped(roof_mansard(solid, *numbers, overhang=_number(overhang)))
+
+
+def _one_envelope(
+    solid: Solid, world: Floats, height: Value, front: Value, side: Value, back: Value, angle: Value
+) -> Shaped:
+    from ipmlang.geometry.envelope import envelope
+
+    given = {"front": front, "side": side, "back": back, "angle": angle}
+    known = {name: _number(value) for name, value in given.items() if value is not None}
+    return Shaped(envelope(solid, _number(height), **known))
+
+
+def _one_offset(solid: Solid, world: Floats, distance: Value) -> Shaped:
+    from ipmlang.geometry.setbacks import offset
+
+    return Shaped(_only(offset(solid, _number(distance)), "inside", "offset"))
+
+
+def _one_inner(solid: Solid, world: Floats) -> Shaped:
+    from ipmlang.geometry.rectangles import inner_rect
+
+    return Shaped(_only(inner_rect(solid), "shape", "innerRect"))
+
+
+def _only(pieces: Sequence[object], word: str, name: str) -> Solid:
+    from ipmlang.geometry.pieces import Piece
+    from ipmlang.geometry.solid import joined
+
+    chosen = [each.solid for each in pieces if isinstance(each, Piece) and word in each.words]
+    if not chosen:
+        raise GeometryError(f"`{name}` leaves nothing of this polygon")
+    return chosen[0] if len(chosen) == 1 else joined(chosen)
+
+
+def _one_tag(solid: Solid, world: Floats, word: Value) -> Shaped:
+    return Shaped(tagged(solid, str(word)))
+
+
+def _one_reversed(solid: Solid, world: Floats) -> Shaped:
+    from ipmlang.geometry.converting import reversed_normals
+
+    return Shaped(reversed_normals(solid))
+
+
+def _one_converted(solid: Solid, world: Floats, to: Value) -> Shaped:
+    from ipmlang.geometry.converting import converted
+
+    return Shaped(converted(solid, str(to)))
+
+
+def _one_turned(solid: Solid, world: Floats, x: Value, y: Value, z: Value) -> Shaped:
+    axes = np.eye(3)
+    for axis, angle in enumerate((x, y, z)):
+        cosine, sine = cosine_and_sine(_number(angle))
+        turn = np.eye(3)
+        second, third = (axis + 1) % 3, (axis + 2) % 3
+        turn[second, [second, third]] = cosine, sine
+        turn[third, [second, third]] = -sine, cosine
+        axes = turn @ axes
+    return Shaped(solid, axes)
+
+
+def _one_to_axes(solid: Solid, world: Floats, *rest: Value) -> Shaped:
+    axes = world.reshape(3, 3)
+    axis = rest[0] if rest else None
+    if axis is None:
+        return Shaped(solid, axes)
+    number = "xyz".index(str(axis))
+    return Shaped(solid, _aligned(number, axes[number]))
+
+
+def _aligned(axis: int, target: Floats) -> Floats:
+    """Axes of which one is the target, and the next as near to what it was as can be."""
+    other = np.eye(3)[(axis + 1) % 3]
+    side = other - target * (other @ target)
+    if np.linalg.norm(side) < 1e-9:
+        side = np.eye(3)[(axis + 2) % 3] - target * target[(axis + 2) % 3]
+    side /= np.linalg.norm(side)
+    axes = np.zeros((3, 3))
+    axes[axis], axes[(axis + 1) % 3] = target, side
+    axes[(axis + 2) % 3] = np.cross(target, side)
+    return axes
+
+
+def _one_to_geometry(solid: Solid, world: Floats, *rest: Value) -> Shaped:
+    from ipmlang.geometry.aligning import alignment
+
+    return Shaped(solid, alignment(solid, str(rest[0]) if rest and rest[0] else "lowest"))
+
+
+def _one_primitive(solid: Solid, world: Floats, sides: Value) -> Shaped:
+    raise GeometryError("the number of sides must be the same for all shapes of a rule")
+
+
+WORLD = {"extrude": "z", "alignScopeToAxes": "xyz"}  # the world's axes that a body must know
+SHAPES: Mapping[str, Callable[..., Shaped]] = {
+    "extrude": _one_extrude,
+    "taper": _one_taper,
+    "roofHip": _roof("roof_hip"),
+    "roofGable": _roof("roof_gable"),
+    "roofShed": _roof("roof_shed"),
+    "roofPyramid": _one_pyramid,
+    "roofMansard": _one_mansard,
+    "envelope": _one_envelope,
+    "offset": _one_offset,
+    "innerRect": _one_inner,
+    "tag": _one_tag,
+    "reverseNormals": _one_reversed,
+    "convert": _one_converted,
+    "rotateScope": _one_turned,
+    "alignScopeToAxes": _one_to_axes,
+    "alignScopeToGeometry": _one_to_geometry,
+    "cylinder": _one_primitive,
+    "cone": _one_primitive,
+    "sphere": _one_primitive,
+    "disk": _one_primitive,
+}
