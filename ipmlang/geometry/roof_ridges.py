@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.geometry.skeleton import straight_skeleton
+from ipmlang.geometry.skeleton_rings import directions
 from ipmlang.geometry.solid import Floats
 
 STRAIGHT = 1e-6  # the sine up to which two edges are one side of a building
@@ -25,7 +26,7 @@ def direction(degrees: float) -> tuple[float, float]:
 
 def longest_direction(outline: Floats) -> tuple[float, float]:
     """Along the longer side of the smallest box around an outline (n, 2); a square's first side."""
-    along = _directions(outline)
+    along = directions(outline)
     on = outline @ along.T
     across = outline @ np.stack([-along[:, 1], along[:, 0]])
     width, depth = np.ptp(on, axis=0), np.ptp(across, axis=0)
@@ -33,11 +34,6 @@ def longest_direction(outline: Floats) -> tuple[float, float]:
     best = int(np.flatnonzero(areas <= areas.min() * (1 + 1e-9))[0])
     x, y = along[best].tolist()
     return (x, y) if width[best] >= depth[best] * (1 - 1e-9) else (-y, x)
-
-
-def _directions(ring: Floats) -> Floats:
-    onward = np.roll(ring, -1, axis=0) - ring
-    return np.asarray(onward / np.hypot(onward[:, 0], onward[:, 1])[:, None])
 
 
 def gable_edges(rings: list[Floats], ridge: float | None) -> set[int]:
@@ -49,7 +45,7 @@ def gable_edges(rings: list[Floats], ridge: float | None) -> set[int]:
     """
     sides = _sides(rings[0])
     corners = rings[0][[side[0] for side in sides]]
-    along = _directions(corners)
+    along = directions(corners)
     chosen = direction(ridge) if ridge is not None else longest_direction(corners)
     slant = np.abs(along @ np.array(chosen))
     turn = _cross(np.roll(along, 1, axis=0), along)
@@ -73,7 +69,7 @@ def _cross(a: Floats, b: Floats) -> Floats:
 
 def _sides(outline: Floats) -> list[list[int]]:
     """Edges that follow each other in one line, together."""
-    along = _directions(outline)
+    along = directions(outline)
     before = np.roll(along, 1, axis=0)
     bends = (np.abs(_cross(before, along)) > STRAIGHT) | ((before * along).sum(axis=1) < 0)
     starts = np.flatnonzero(bends).tolist()

@@ -25,6 +25,7 @@ from ipmlang.geometry.roof_base import (
 )
 from ipmlang.geometry.roof_ridges import direction, gable_edges
 from ipmlang.geometry.skeleton import straight_skeleton
+from ipmlang.geometry.skeleton_rings import directions, following
 from ipmlang.geometry.solid import Floats, GeometryError, Solid
 
 SLOPE, GABLE, SIDE = ("roof.slope",), ("roof.gable",), ("roof.side",)
@@ -176,9 +177,9 @@ def _planes(base: Footprint, slopes: Sequence[float | None], overhang: float) ->
     found = straight_skeleton(around.points, speeds)
     made = Faces()
     made.add_points(found.vertices.tolist(), base.level - around.drop)
-    for ring, speed in zip(found.faces, speeds, strict=True):
+    for k, (ring, speed) in enumerate(zip(found.faces, speeds, strict=True)):
         if ring:
-            made.add([ring], SLOPE if speed else GABLE)
+            made.add([ring, *found.holes.get(k, ())], SLOPE if speed else GABLE)
     for ring in found.walls:
         made.add([ring], GABLE)
     add_underside(made, base, around, _border(around, found.faces))
@@ -267,8 +268,7 @@ def _middle(ring: Floats) -> tuple[float, float]:
     """A point that sees all of a ring (n, 2): the centroid, else that of all that do."""
     area, x, y = _moments(ring)
     size = float(np.ptp(ring, axis=0).max())
-    onward = np.roll(ring, -1, axis=0) - ring
-    onward = onward / np.hypot(onward[:, 0], onward[:, 1])[:, None]
+    onward = directions(ring)
     level = onward[:, 0] * ring[:, 1] - onward[:, 1] * ring[:, 0]
     if (onward[:, 0] * y - onward[:, 1] * x - level > THIN * size).all():
         return x, y
@@ -287,7 +287,7 @@ def _middle(ring: Floats) -> tuple[float, float]:
 def _moments(ring: Floats) -> tuple[float, float, float]:
     """The area within a ring, and its centroid."""
     points = ring - ring[0]
-    after = np.roll(points, -1, axis=0)
+    after = following(points)
     cross = points[:, 0] * after[:, 1] - points[:, 1] * after[:, 0]
     total = float(cross.sum())
     if total == 0:

@@ -11,13 +11,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import frexp, inf, ldexp
+from random import Random
 
 import numpy as np
 
 from ipmlang.geometry.skeleton_contacts import Lines
 from ipmlang.geometry.skeleton_faces import prove, traced
-from ipmlang.geometry.skeleton_rings import Ring, fit_rings, reversed_ring, signed_area
-from ipmlang.geometry.skeleton_wavefront import BrokenError, Region, Wavefront, loops_of
+from ipmlang.geometry.skeleton_rings import Ring, directions, fit_rings, reversed_ring, signed_area
+from ipmlang.geometry.skeleton_wavefront import BrokenError, OpenError, Region, Wavefront, loops_of
 from ipmlang.geometry.solid import Floats, GeometryError
 
 Rings = Sequence[Floats | Sequence[Sequence[float]]]
@@ -32,12 +33,14 @@ class Skeleton:
     """vertices (v, 3): x, y and the time at which the wavefront is there.
 
     faces: for each edge of the input, in order through all rings, its vertices counter-clockwise
-    seen from above, its own ends first; none for an edge without length. walls: upright faces
-    between edges of one direction and unequal speed that come to lie in one line.
+    seen from above, its own ends first; none for an edge without length. holes: for an edge so
+    fast that its face runs all around others', the inner rings, clockwise. walls: upright faces
+    between edges of unequal speed that follow each other in one line.
     """
 
     vertices: Floats
     faces: list[list[int]]
+    holes: dict[int, list[list[int]]]
     walls: list[list[int]]
 
 
@@ -65,11 +68,16 @@ def straight_skeleton(rings: Rings, speeds: Sequence[float] | None = None) -> Sk
     ([4, 3, 4, 3], 1.0)
     """
     problem = _problem(rings, speeds)
+    open_ended = False
     for reach, change in ATTEMPTS:
         try:
             return _solved(problem, reach, change)
-        except BrokenError:
-            continue
+        except BrokenError as failure:
+            open_ended = isinstance(failure, OpenError)
+    if open_ended:
+        raise GeometryError(
+            "upright edges enclose a part of the polygon", "give more of its edges a slope"
+        )
     raise GeometryError(
         "the polygon has no skeleton that can be proved right",
         "look for edges that nearly touch, or give its edges more equal slopes",
@@ -124,18 +132,19 @@ def _problem(rings: Rings, speeds: Sequence[float] | None, outwards: bool = Fals
 def _started(problem: _Problem, reach: float, change: float) -> tuple[Wavefront, list[Region]]:
     """A wavefront at time 0; line k is the k-th edge of the cleaned rings."""
     lines = Lines()
-    chance = np.random.default_rng(len(problem.speeds))
+    chance = Random(len(problem.speeds))
+    changes: dict[tuple[float, float, float], float] = {}
     corners: list[list[tuple[float, float, int]]] = []
     for ring in problem.rings:
-        onward = np.roll(ring.points, -1, axis=0) - ring.points
-        onward = onward / np.hypot(onward[:, 0], onward[:, 1])[:, None]
+        onward = directions(ring.points)
         own: list[tuple[float, float, int]] = []
         for (x, y), (dx, dy), edge in zip(
             ring.points.tolist(), onward.tolist(), ring.edges, strict=True
         ):
             speed = problem.speeds[edge]
-            if change:
-                speed *= 1 + change * float(chance.uniform(-1, 1))
+            if change:  # edges of one direction change together: they may come to lie in one line
+                key = (round(dx, 9), round(dy, 9), speed)
+                speed *= changes.setdefault(key, 1 + change * chance.uniform(-1, 1))
             own.append((x, y, lines.add(dx, dy, x, y, speed)))
         corners.append(own)
     front = Wavefront(lines, reach)
@@ -167,18 +176,25 @@ def _solved(problem: _Problem, reach: float, change: float) -> Skeleton:
     edges = [edge for ring in problem.rings for edge in ring.edges]
     rings = traced(front, len(edges))
     nodes = np.array(front.nodes)
-    kept = [k for k, ring in enumerate(rings) if ring or k < len(edges)]
-    prove(front.lines, nodes, [rings[k] for k in kept], kept)
-    used = sorted({node for k in kept for node in rings[k]})
+    kept = {line: face for line, face in enumerate(rings) if face or line < len(edges)}
+    prove(front.lines, nodes, kept)
+    used = sorted({node for face in kept.values() for ring in face for node in ring})
     number = {node: k for k, node in enumerate(used)}
     vertices = nodes[used] * problem.unit
     vertices[:, :2] += problem.centre
     vertices[:, 2] /= problem.fastest
     faces: list[list[int]] = [[] for _ in range(problem.edges)]
-    for edge, ring in zip(edges, rings, strict=False):
-        faces[edge] = [number[node] for node in ring]
-    walls = [[number[node] for node in rings[k]] for k in kept if k >= len(edges)]
-    return Skeleton(vertices, faces, walls)
+    holes: dict[int, list[list[int]]] = {}
+    walls: list[list[int]] = []
+    for line, face in kept.items():
+        outline, *inner = [[number[node] for node in ring] for ring in face]
+        if line >= len(edges):
+            walls.append(outline)
+            continue
+        faces[edges[line]] = outline
+        if inner:
+            holes[edges[line]] = inner
+    return Skeleton(vertices, faces, holes, walls)
 
 
 def _rings(problem: _Problem, region: Region, limit: float) -> Iterator[Ring]:

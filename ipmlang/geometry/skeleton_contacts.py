@@ -90,7 +90,8 @@ class Lines:
 class Corner:
     """A corner of the wavefront, at (x, y) since `time`: line `before` ends, `after` begins.
 
-    back and on are its neighbours along the wavefront, number its place in its region.
+    uneven: its lines lie in one, at unequal speeds. number is its place in its region, back and on
+    are its neighbours along the wavefront.
     """
 
     node: int
@@ -101,6 +102,7 @@ class Corner:
     time: float
     vx: float
     vy: float
+    uneven: bool = False
     number: int = -1
     back: Corner = field(init=False, repr=False)
     on: Corner = field(init=False, repr=False)
@@ -138,19 +140,17 @@ class _Front:
     speed: Floats
     turn: Floats
     on: NDArray[np.intp]
-    back: NDArray[np.intp]
+    node: NDArray[np.intp]
 
 
 def _front(lines: Lines, corners: list[Corner], time: float) -> _Front:
     rows = np.array(
-        [(c.x, c.y, c.time, c.vx, c.vy, c.before, c.after, c.on.number) for c in corners]
+        [(c.x, c.y, c.time, c.vx, c.vy, c.before, c.after, c.on.number, c.node) for c in corners]
     ).T
     wait = time - rows[2]
-    before, after, on = rows[5:].astype(np.intp)
+    before, after, on, node = rows[5:].astype(np.intp)
     table = lines.table
     dx, dy, offset, speed = table[:, after]
-    back = np.empty_like(on)
-    back[on] = np.arange(len(on))
     return _Front(
         rows[0] + wait * rows[3],
         rows[1] + wait * rows[4],
@@ -162,7 +162,7 @@ def _front(lines: Lines, corners: list[Corner], time: float) -> _Front:
         speed,
         table[0, before] * dy - table[1, before] * dx,
         on,
-        back,
+        node,
     )
 
 
@@ -206,9 +206,9 @@ class _Sinking:
         x, y, vx, vy = (column[rows, None] for column in (front.x, front.y, front.vx, front.vy))
         self.height = y * front.dx - x * front.dy - front.level
         self.rise = vy * front.dx - vx * front.dy - front.speed
-        own = np.arange(len(rows))
-        self.height[own, rows] = inf
-        self.height[own, front.back[rows]] = inf
+        # What starts at one node parts at once and for good: one is never the other's obstacle.
+        node = front.node[rows, None]
+        self.height[(node == front.node) | (node == front.node[front.on])] = inf
 
     def first(self, before: float) -> tuple[float, int, int, float, float] | None:
         """The first touch up to a moment: wait, corner, segment, how far along, its length."""

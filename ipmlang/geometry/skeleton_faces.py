@@ -18,8 +18,11 @@ from ipmlang.geometry.solid import Floats
 SLACK = 4e-10  # how far from its planes a node may be, in units of the polygon's size
 
 
-def traced(front: Wavefront, bases: int) -> list[list[int]]:
-    """The ring of nodes of each line's face; of the first `bases` lines it begins at the base."""
+def traced(front: Wavefront, bases: int) -> list[list[list[int]]]:
+    """The rings of nodes of each line's face: its outline, then what it runs all around.
+
+    The outlines of the first `bases` lines begin with the line's own edge.
+    """
     on: list[dict[int, int]] = [{} for _ in front.lines.dx]
     for line, start, end in front.sides:
         start, end = front.same_node(start), front.same_node(end)
@@ -29,33 +32,33 @@ def traced(front: Wavefront, bases: int) -> list[list[int]]:
             raise BrokenError("a face meets itself")
         on[line][start] = end
     first = {line: front.same_node(start) for line, start, _ in front.sides[:bases]}
-    return [_ring(sides, first.get(line)) for line, sides in enumerate(on)]
+    return [_rings(sides, first.get(line)) for line, sides in enumerate(on)]
 
 
-def _ring(sides: dict[int, int], first: int | None) -> list[int]:
-    if not sides:
-        return []
-    start = next(iter(sides)) if first is None else first
-    ring = [start]
-    while (node := sides.get(ring[-1], -1)) != start:
-        if node < 0 or len(ring) > len(sides):
-            raise BrokenError("a face does not close")
-        ring.append(node)
-    if len(ring) != len(sides):
-        raise BrokenError("a face has loose sides")
-    return ring
+def _rings(sides: dict[int, int], first: int | None) -> list[list[int]]:
+    """Closed rings of all sides, which are used up."""
+    found: list[list[int]] = []
+    while sides:
+        start = next(iter(sides)) if first is None or found else first
+        ring = [start]
+        while (node := sides.pop(ring[-1], -1)) != start:
+            if node < 0:
+                raise BrokenError("a face does not close")
+            ring.append(node)
+        found.append(ring)
+    return found
 
 
-def prove(lines: Lines, nodes: Floats, rings: list[list[int]], own: list[int]) -> None:
-    """Raise BrokenError unless each ring is a good face of its own line.
-
-    nodes (n, 3) are x, y and time.
-    """
+def prove(lines: Lines, nodes: Floats, faces: dict[int, list[list[int]]]) -> None:
+    """Raise BrokenError unless each line's face is good; nodes (n, 3) are x, y and time."""
+    rings = [ring for face in faces.values() for ring in face]
+    own = np.repeat(np.array(list(faces), np.intp), [len(face) for face in faces.values()])
+    first = own != np.concatenate([[-1], own[:-1]])
     counts = [len(ring) for ring in rings]
-    if not counts or min(counts) < 3:
+    if not all(faces.values()) or min(counts) < 3:
         raise BrokenError("a face is missing")
     corners = np.array([node for ring in rings for node in ring], np.intp)
-    line = np.repeat(np.array(own, np.intp), counts)
+    line = np.repeat(own, counts)
     starts = np.cumsum([0, *counts])
     dx, dy, offset, speed = lines.table[:, line]
     x, y, time = nodes[corners].T
@@ -66,14 +69,14 @@ def prove(lines: Lines, nodes: Floats, rings: list[list[int]], own: list[int]) -
     after = np.arange(1, len(corners) + 1)
     after[starts[1:] - 1] = starts[:-1]
     moves = along[after] - along
-    doubtful = np.flatnonzero(_turning_back(moves, starts) & (lines.table[3, own] > 0))
+    doubtful = (_turning_back(moves, starts) | ~first) & (lines.table[3, own] > 0)
     area = np.add.reduceat(along * away[after] - away * along[after], starts[:-1]) / 2
-    if area.min() < -SLACK:
+    if area[first].min() < -SLACK or (area[~first] > SLACK).any():
         raise BrokenError("a face is turned over")
-    for face in doubtful:
-        part = slice(starts[face], starts[face + 1])
-        if crosses_itself(np.stack([along[part], away[part]], axis=1)):
-            raise BrokenError("a face crosses itself")
+    points = np.stack([along, away], axis=1)
+    parts = [points[starts[ring] : starts[ring + 1]] for ring in np.flatnonzero(doubtful)]
+    if _any_crosses_itself(parts):
+        raise BrokenError("a face crosses itself")
 
 
 def _turning_back(moves: Floats, starts: NDArray[np.intp]) -> NDArray[np.bool_]:
@@ -83,17 +86,30 @@ def _turning_back(moves: Floats, starts: NDArray[np.intp]) -> NDArray[np.bool_]:
     return np.logical_or.reduceat(wrong, starts[:-1])
 
 
-def crosses_itself(ring: Floats, slack: float = SLACK) -> bool:
-    """Whether sides of a ring (n, 2) that are not neighbours cross by more than the slack."""
-    a, b = ring, np.roll(ring, -1, axis=0)
-    d = b - a
-    length = np.maximum(np.hypot(d[:, 0], d[:, 1]), slack)
-    d = d / length[:, None]
+def _any_crosses_itself(rings: list[Floats]) -> bool:
+    """Whether two sides of one of the rings (n, 2) cross by more than the slack."""
+    sizes: dict[int, list[Floats]] = {}
+    for ring in rings:
+        if len(ring) > 3:
+            sizes.setdefault(len(ring).bit_length(), []).append(ring)
+    return any(_crosses(_padded(alike)) for alike in sizes.values())
 
-    def side(points: Floats) -> Floats:
-        gap = points[None] - a[:, None]
-        return np.asarray(d[:, None, 0] * gap[..., 1] - d[:, None, 1] * gap[..., 0])
 
-    one, other = side(a), side(b)
-    parts = (np.minimum(one, other) < -slack) & (np.maximum(one, other) > slack)
-    return bool((parts & parts.T).any())
+def _padded(rings: list[Floats]) -> Floats:
+    """Rings of unequal length as (r, n, 2): their last points repeat."""
+    longest = max(len(ring) for ring in rings)
+    within = np.minimum(np.arange(longest), np.array([[len(ring) - 1] for ring in rings]))
+    firsts = np.cumsum([0, *(len(ring) for ring in rings[:-1])])
+    return np.asarray(np.concatenate(rings)[firsts[:, None] + within])
+
+
+def _crosses(rings: Floats) -> bool:
+    """Whether two sides of one of the rings (r, n, 2) lie on both sides of each other."""
+    x, y = rings[..., 0], rings[..., 1]
+    dx, dy = np.roll(x, -1, axis=1) - x, np.roll(y, -1, axis=1) - y
+    length = np.maximum(np.hypot(dx, dy), SLACK)
+    dx, dy = (dx / length)[..., None], (dy / length)[..., None]
+    one = dx * (y[:, None] - y[..., None]) - dy * (x[:, None] - x[..., None])
+    other = np.roll(one, -1, axis=2)
+    parts = (np.minimum(one, other) < -SLACK) & (np.maximum(one, other) > SLACK)
+    return bool((parts & parts.transpose(0, 2, 1)).any())

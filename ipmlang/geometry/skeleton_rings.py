@@ -76,10 +76,22 @@ def _cleaned(points: Floats, first: int, same: float) -> Ring | None:
     return ring if abs(signed_area(ring.points)) > same * same else None
 
 
+def following(points: Floats) -> Floats:
+    """The point after each of a ring (n, 2)."""
+    return np.concatenate([points[1:], points[:1]])
+
+
+def directions(points: Floats) -> Floats:
+    """Of each edge of a ring (n, 2), the unit vector along it."""
+    onward = following(points) - points
+    return np.asarray(onward / np.hypot(onward[:, 0], onward[:, 1])[:, None])
+
+
 def signed_area(points: Floats) -> float:
     """The area within a ring (n, 2), negative where it runs clockwise."""
-    x, y = (points - points[0]).T
-    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
+    own = points - points[0]
+    x, y = following(own).T
+    return float(own[:, 0] @ y - own[:, 1] @ x) / 2
 
 
 def _turned(ring: Ring, left: bool) -> Ring:
@@ -95,9 +107,8 @@ def reversed_ring(ring: Ring) -> Ring:
 
 def _check_crossings(rings: list[Ring], slack: float) -> None:
     a = np.concatenate([ring.points for ring in rings])
-    b = np.concatenate([np.roll(ring.points, -1, axis=0) for ring in rings])
-    d = b - a
-    d = d / np.hypot(d[:, 0], d[:, 1])[:, None]
+    b = np.concatenate([following(ring.points) for ring in rings])
+    d = np.concatenate([directions(ring.points) for ring in rings])
     ours = d[:, 0] * a[:, 1] - d[:, 1] * a[:, 0]
     one = np.outer(d[:, 0], a[:, 1]) - np.outer(d[:, 1], a[:, 0]) - ours[:, None]
     other = np.outer(d[:, 0], b[:, 1]) - np.outer(d[:, 1], b[:, 0]) - ours[:, None]
@@ -113,7 +124,7 @@ def _check_crossings(rings: list[Ring], slack: float) -> None:
 
 def mostly_inside(ring: Floats, outline: Floats) -> bool:
     """Whether at least half the corners of a ring (n, 2) lie within another."""
-    a, b = outline, np.roll(outline, -1, axis=0)
+    a, b = outline, following(outline)
     x, y = ring[:, 0, None], ring[:, 1, None]
     rise = b[:, 1] - a[:, 1]
     spans = (a[:, 1] > y) != (b[:, 1] > y)

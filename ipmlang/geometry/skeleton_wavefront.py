@@ -23,6 +23,10 @@ class BrokenError(Exception):
     """The wavefront contradicts itself: try again with other tolerances."""
 
 
+class OpenError(BrokenError):
+    """A part of the polygon is never reached: all that is left around it stands still."""
+
+
 @dataclass(slots=True)
 class Region:
     """A connected part of what the wavefront has not reached, at a moment."""
@@ -99,25 +103,60 @@ class Wavefront:
 
     def step(self, region: Region, limit: float) -> list[Region] | None:
         """What a region becomes at its next contacts, or None where they are after the limit."""
+        uneven = next((corner for corner in region.corners if corner.uneven), None)
+        if uneven is not None:
+            return self._overtake(region, uneven)
         contacts = next_contacts(self.lines, region.corners, region.time, self.reach)
-        if contacts is None:
-            if limit == inf:
-                raise BrokenError("the wavefront never closes")
-            return None
-        if contacts.time > limit:
+        if contacts is None and limit == inf:
+            raise OpenError("the wavefront never closes")
+        if contacts is None or contacts.time > limit:
             return None
         places = self._places(region.corners, contacts)
         pieces, dead = _pieces(region.corners, places)
         for piece in dead:
             places.touch(piece.start)
             places.touch(piece.end)
-        nodes = self._close(region.corners, places, contacts)
+        nodes = self._close(region.corners, places, contacts.time)
         for piece in dead:
             start, end = nodes[places.root(piece.start)], nodes[places.root(piece.end)]
             self.sides.append((piece.line, end, start))
-        made = self._link_anew(region.corners, pieces, nodes)
-        alive = [corner for k, corner in enumerate(region.corners) if k not in places.parent]
-        return _regions(self.lines, contacts.time, _without_straight(alive + made))
+        return self._linked(contacts.time, region.corners, places, pieces, nodes)
+
+    def _overtake(self, region: Region, uneven: Corner) -> list[Region]:
+        """The faster of two lines that have come to lie in one goes on for both.
+
+        Its plane holds the slower one's segment, whose face ends there (Biedl et al. leave the
+        choice open; this one never leaves a part of the polygon without a line that moves).
+        """
+        speed = self.lines.speed
+        forward = speed[uneven.before] > speed[uneven.after]
+        start, end = (uneven, uneven.on) if forward else (uneven.back, uneven)
+        slow, fast = (uneven.after, uneven.before) if forward else (uneven.before, uneven.after)
+        places = Places()
+        places.touch(start.number)
+        places.touch(end.number)
+        pieces, _ = _pieces(region.corners, places)
+        nodes = self._close(region.corners, places, region.time)
+        one, other = nodes[start.number], nodes[end.number]
+        self.sides.append((slow, other, one))
+        self.sides.append((fast, one, other))
+        for piece in pieces:
+            if (piece.start, piece.end) == (start.number, end.number):
+                piece.line = fast
+        return self._linked(region.time, region.corners, places, pieces, nodes)
+
+    def _linked(
+        self,
+        time: float,
+        corners: list[Corner],
+        places: Places,
+        pieces: list[Piece],
+        nodes: dict[int, int],
+    ) -> list[Region]:
+        """The regions of the corners that no contact touched and of new ones between pieces."""
+        made = self._link_anew(corners, pieces, nodes)
+        alive = [corner for k, corner in enumerate(corners) if k not in places.parent]
+        return _regions(self.lines, time, _without_straight(alive + made))
 
     def _places(self, corners: list[Corner], contacts: Contacts) -> Places:
         places = Places()
@@ -133,7 +172,7 @@ class Wavefront:
                 places.cuts.setdefault(segment, []).append((along, corner))
         return places
 
-    def _close(self, corners: list[Corner], places: Places, contacts: Contacts) -> dict[int, int]:
+    def _close(self, corners: list[Corner], places: Places, time: float) -> dict[int, int]:
         """A node for each group of corners, and the sides that its corners have drawn."""
         cutting: dict[int, list[int]] = {}
         for segment, cuts in places.cuts.items():
@@ -142,7 +181,7 @@ class Wavefront:
         nodes: dict[int, int] = {}
         for root, members in places.groups().items():
             group = [corners[k] for k in members]
-            node = nodes[root] = self._node(group, cutting.get(root, []), contacts.time)
+            node = nodes[root] = self._node(group, cutting.get(root, []), time)
             for corner in group:
                 self.sides.append((corner.before, corner.node, node))
                 self.sides.append((corner.after, node, corner.node))
@@ -236,7 +275,7 @@ class Wavefront:
         ]
 
     def _corners(self, node: int, before: int, after: int) -> list[Corner]:
-        """The corner between two lines; two and a wall where parallel lines part in speed."""
+        """The corner between two lines; where edges in one line part in speed, two and a wall."""
         x, y, time = self.nodes[node]
         lines = self.lines
         if before == after:
@@ -246,6 +285,8 @@ class Wavefront:
             and lines.cosine(before, after) > 0
             and lines.speed[before] != lines.speed[after]
         ):
+            if time > 0:
+                return [Corner(node, before, after, x, y, time, 0.0, 0.0, uneven=True)]
             ahead = 1.0 if lines.speed[after] > lines.speed[before] else -1.0
             wall = lines.add(-ahead * lines.dy[before], ahead * lines.dx[before], x, y, 0.0)
             chain = self._corners(node, before, wall) + self._corners(node, wall, after)
