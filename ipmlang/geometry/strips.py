@@ -37,6 +37,9 @@ Marks = NDArray[np.bool_]
 MITRE = 5.0
 """A mitre around a corner that juts in reaches this many widths; what is longer is cut off."""
 
+TIE = 1e-9
+"""Fronts that differ by less than this part of their way arrive together."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Edges:
@@ -336,25 +339,24 @@ def _nearer(both: Shapes, one: Indices, other: Indices, edges: Edges, widths: Fl
     """Where, around each shared region, the front of `other` comes before that of `one`."""
     import shapely
 
-    slope = (
-        edges.inward[other] / widths[other, None] - edges.inward[one] / widths[one, None]
-    )  # arrival of `other` less that of `one` grows along it
+    slope = edges.inward[other] / widths[other, None] - edges.inward[one] / widths[one, None]
     level = (edges.inward[other] * edges.start[other]).sum(axis=1) / widths[other]
     level -= (edges.inward[one] * edges.start[one]).sum(axis=1) / widths[one]
-    steep = _length(slope)
-    sure = steep > 1e-9 / np.minimum(widths[one], widths[other])  # else they arrive together
-    with np.errstate(divide="ignore", invalid="ignore"):
-        away = np.where(sure[:, None], slope / steep[:, None], [1.0, 0.0])
-        offset = np.where(sure, level / steep, 0.0)
     box = shapely.bounds(both)
-    middle = (box[:, :2] + box[:, 2:]) / 2
-    size = _length(box[:, 2:] - box[:, :2])[:, None] + np.zeros(2)
-    foot = middle - away * ((middle * away).sum(axis=1) - offset)[:, None]
-    side = np.stack([-away[:, 1], away[:, 0]], axis=1)
-    far = 2 * size + np.abs((middle - foot) * away).sum(axis=1)[:, None]
-    halves = np.stack(
-        [foot - side * far, foot + side * far, foot + (side - away) * far,
-         foot - (side + away) * far], axis=1
-    )  # fmt: skip
-    halves[~sure] = foot[~sure, None]  # nothing
-    return np.asarray(shapely.polygons(halves), np.object_)
+    middle, size = (box[:, :2] + box[:, 2:]) / 2, _length(box[:, 2:] - box[:, :2])
+    later = (slope * middle).sum(axis=1) - level  # by how much `other` is later, in the middle
+    steep = _length(slope)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        away = np.where((steep > 0)[:, None], slope / steep[:, None], [1.0, 0.0])
+        back = np.clip(later / steep, -size, size)
+    even = (steep * size < TIE) & (np.abs(later) < TIE)
+    back = np.where(even, size, np.where(np.isnan(back), size, back))
+    foot = middle - away * back[:, None]
+    side, far = np.stack([-away[:, 1], away[:, 0]], axis=1), 3 * size[:, None]
+    halves = [
+        foot - side * far,
+        foot + side * far,
+        foot + (side - away) * far,
+        foot - (side + away) * far,
+    ]
+    return np.asarray(shapely.polygons(np.stack(halves, axis=1)), np.object_)
