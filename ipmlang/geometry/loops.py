@@ -11,6 +11,7 @@ from math import atan2, tau
 
 Flat = Mapping[int, tuple[float, float]]
 Edge = tuple[int, int]
+Vector = tuple[float, float, float]
 
 
 def unmatched(edges: Iterable[Edge]) -> list[Edge]:
@@ -120,3 +121,23 @@ def _owner(
         if areas[n] >= 0 and (free is None or encloses(loops[n], free, flat)):
             around.append(n)
     return min(around, key=lambda n: areas[n], default=None)
+
+
+def dot(a: Sequence[float], b: Sequence[float]) -> float:
+    """The sum of the products of two vectors' three coordinates."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def cross(a: Sequence[float], b: Sequence[float]) -> Vector:
+    """The vector across two, as long as the area between them."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def frame(up: Vector) -> tuple[Vector, Vector]:
+    """Two unit vectors across a unit vector, right-handed with it; x, y, z stay in order."""
+    main = max(range(3), key=lambda n: abs(up[n]))
+    start = [float(n == (main + 1) % 3) for n in range(3)]
+    along = cross(up, start)
+    length = dot(along, along) ** 0.5
+    along = (along[0] / length, along[1] / length, along[2] / length)
+    return cross(along, up), along

@@ -1,17 +1,24 @@
 """Raise polygons into solids: straight along a direction, or drawing in toward the top.
 
-Faces bear the tags `extrude.bottom`, `extrude.top`, `extrude.side` or `taper.bottom`, `taper.top`,
-`taper.side`. Faces come in the order bottom, top, then a side for each edge of the outline and of
-the holes. Texture coordinates are not carried over: sides have none.
+Faces bear the tags `extrude.bottom`, `extrude.top`, `extrude.side` or `taper.bottom`, `taper.top`
+(where there is one), `taper.side`, and come in that order: a side for each edge of the outline and
+of the holes. Bottom and top keep the polygon's own tags. Texture coordinates are not carried over:
+sides have none.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import isfinite
 
 import numpy as np
 
+from ipmlang.geometry.converting import reversed_normals
+from ipmlang.geometry.planar import opened
+from ipmlang.geometry.roofs import roof_hip, roof_pyramid
+from ipmlang.geometry.sharing import following
+from ipmlang.geometry.slabs import slab
 from ipmlang.geometry.solid import (
     Floats,
     GeometryError,
@@ -19,8 +26,17 @@ from ipmlang.geometry.solid import (
     Solid,
     Tags,
     area_vectors,
+    chosen,
     joined,
 )
+
+_ORDER = ("taper.bottom", "taper.top", "taper.side")
+_NAMES = {
+    "roof.bottom": "taper.bottom",
+    "split.cut": "taper.top",
+    "roof.slope": "taper.side",
+    **{word.replace("taper", "extrude"): word for word in _ORDER},
+}
 
 
 def extrude(
@@ -71,9 +87,9 @@ def _prism(solid: Solid, moved: Floats, *, upward: bool, kind: str) -> Solid:
     first, second = _border(solid)
     sides = np.stack([first, second, second + count, first + count], axis=1)
     if upward:
-        bottom = turned(bottom)
+        bottom = reversed_normals(bottom)
     else:
-        top, sides = turned(top), sides[:, ::-1]
+        top, sides = reversed_normals(top), sides[:, ::-1]
     lids = joined([replace(part, vertices=np.zeros((0, 3))) for part in (bottom, top)])
     walls = len(sides)
     return Solid(
@@ -91,7 +107,7 @@ def _and(tags: Tags, word: str) -> Tags:
 
 def _border(solid: Solid) -> tuple[Indices, Indices]:
     """The directed edges (e,), (e,) of all faces that have no opposite, in order."""
-    after = _next(solid)
+    after = following(solid)
     first, second = solid.corners, solid.corners[after]
     if len(solid) == 1:
         return first, second
@@ -100,23 +116,76 @@ def _border(solid: Solid) -> tuple[Indices, Indices]:
     return first[alone], second[alone]
 
 
-def _next(solid: Solid) -> Indices:
-    """The number of the corner after each corner (c,) in its ring."""
-    after = np.arange(1, len(solid.corners) + 1)
-    after[solid.rings[1:] - 1] = solid.rings[:-1]
-    return after
+def taper(polygon: Solid, height: float, inset: float | None = None) -> Solid:
+    """The closed solid over a level polygon that faces up, `height` high (below it if negative).
 
+    Every edge draws in by the same measure, as the slopes of a hip roof do.
+    Without an inset it ends in one point above the middle where all edges can be seen from there,
+    else in the ridges of a hip roof. With one (at least 0) the top's edges lie that far inside
+    those of the polygon; where nothing is left there it closes at that height instead.
+    GeometryError for no height, an inset below 0, and for what is no level polygon.
 
-def turned(solid: Solid) -> Solid:
-    """All faces turned inside out: each ring runs the other way, from the same corner.
-
-    >>> from ipmlang.geometry.solid import unit_square
-    >>> turned(unit_square()).corners.tolist()
-    [0, 3, 2, 1]
+    >>> from ipmlang.geometry.solid import polygon, volume
+    >>> square = polygon([(0, 0), (4, 0), (4, 4), (0, 4)])
+    >>> round(volume(taper(square, 3)), 9), round(volume(taper(square, 3, 1)), 9)
+    (16.0, 28.0)
     """
-    lengths = np.diff(solid.rings)
-    start = np.repeat(solid.rings[:-1], lengths)
-    within = np.arange(len(solid.corners)) - start
-    source = start + (-within) % np.repeat(lengths, lengths)
-    uv = None if solid.uv is None else solid.uv[source]
-    return replace(solid, corners=solid.corners[source], uv=uv)
+    if not (isfinite(height) and height != 0):
+        raise GeometryError("taper makes no solid: the height is 0", "give a height that is not 0")
+    if inset is not None and not inset >= 0:
+        raise GeometryError(
+            f"taper cannot draw out: the inset is {inset:g}", "give an inset of at least 0"
+        )
+    opened(polygon, "taper")
+    if inset is None:
+        found = _pointed(polygon, abs(height))
+    elif inset > 0:
+        found = _drawn_in(polygon, abs(height), inset)
+    else:
+        found = extrude(polygon, abs(height))
+    found = _in_order(_renamed(found, polygon.tags[0]))
+    return found if height > 0 else reversed_normals(_scaled(found, _level(polygon), -1.0))
+
+
+def _pointed(polygon: Solid, height: float) -> Solid:
+    try:
+        return roof_pyramid(polygon, height)
+    except GeometryError:
+        return _drawn_in(polygon, height, np.inf)
+
+
+def _drawn_in(polygon: Solid, height: float, inset: float) -> Solid:
+    """A hip roof of 45 degrees, whose heights are insets, cut off and stretched."""
+    hip = roof_hip(polygon, 45.0)
+    level = _level(polygon)
+    deepest = float(hip.vertices[:, 2].max()) - level
+    if inset >= deepest * (1 - 1e-9):
+        return _scaled(hip, level, height / deepest)
+    low = slab(hip, 2, level, level + inset)
+    assert low is not None  # it is deeper than the inset
+    found = _scaled(low, level, height / inset)
+    found.vertices[low.vertices[:, 2] == level + inset, 2] = level + height
+    return found
+
+
+def _level(polygon: Solid) -> float:
+    return float(polygon.vertices[polygon.corners, 2].min())
+
+
+def _scaled(solid: Solid, level: float, factor: float) -> Solid:
+    """Heights over a level multiplied."""
+    vertices = solid.vertices.copy()
+    vertices[:, 2] = level + (vertices[:, 2] - level) * factor
+    return replace(solid, vertices=vertices)
+
+
+def _renamed(solid: Solid, lids: frozenset[str]) -> Solid:
+    """The faces of a roof, a cut or an extrusion as those of a taper; lids bear more tags."""
+    names = [frozenset(_NAMES[word] for word in own if word in _NAMES) for own in solid.tags]
+    tags = [own if "taper.side" in own else own | lids for own in names]
+    return replace(solid, tags=tuple(tags))
+
+
+def _in_order(solid: Solid) -> Solid:
+    rank = [next(n for n, word in enumerate(_ORDER) if word in tags) for tags in solid.tags]
+    return chosen(solid, np.argsort(rank, kind="stable"))

@@ -9,10 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
+from math import inf
 
 import numpy as np
 
-from ipmlang.geometry.slicing import Vector, sliced, tolerance
+from ipmlang.geometry.loops import Vector
+from ipmlang.geometry.slicing import sliced, tolerance
 from ipmlang.geometry.solid import Floats, GeometryError, Solid
 
 _UP: tuple[Vector, Vector, Vector] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
@@ -48,7 +50,7 @@ def slabs(solid: Solid, axis: int, cuts: Sequence[float]) -> list[Solid | None]:
             planes.append(float(cut))
         at.append(len(planes))
     parts = sliced(solid, heights, planes, _UP[axis], axis)
-    return [parts[a] if a < b else None for a, b in pairwise(at)]
+    return [parts[a - 1] if a < b else None for a, b in pairwise(at)]
 
 
 def cut(
@@ -61,7 +63,8 @@ def cut(
         raise GeometryError("a plane to cut with has no direction", "give a normal other than 0")
     up = up / length
     heights = (solid.vertices - np.asarray(point, np.float64)) @ up
-    below, above = sliced(solid, heights, [0.0], (float(up[0]), float(up[1]), float(up[2])))
+    way = (float(up[0]), float(up[1]), float(up[2]))
+    below, above = sliced(solid, heights, [-inf, 0.0, inf], way)
     return below, above
 
 

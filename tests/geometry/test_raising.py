@@ -8,7 +8,8 @@ from geometry.random_shapes import mesh_of, polygons
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ipmlang.geometry.raising import extrude, turned
+from ipmlang.geometry.converting import reversed_normals
+from ipmlang.geometry.raising import extrude
 from ipmlang.geometry.solid import (
     GeometryError,
     Solid,
@@ -105,5 +106,5 @@ def test_what_encloses_nothing_is_said(
 
 @given(polygons())
 def test_turning_twice_is_nothing(plan: Solid) -> None:
-    assert (turned(turned(plan)).corners == plan.corners).all()
-    assert normals(turned(plan))[0, 2] == pytest.approx(-1)
+    assert (reversed_normals(reversed_normals(plan)).corners == plan.corners).all()
+    assert normals(reversed_normals(plan))[0, 2] == pytest.approx(-1)
