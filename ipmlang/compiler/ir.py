@@ -44,6 +44,7 @@ Opcode: TypeAlias = Literal[
     "solid",  # args; const: the operation that makes another geometry of the shape's own
     "center",  # args (axes,): move the scope to the middle of the one that the body began with
     "report",  # args (key, value): add to the sum under a key
+    "lay",  # args; const: the operation that says how textures lie on what follows
     "pen",  # args (value,) or (); const (field, text or None): width, color, css, effect, material
     "layer",  # args (d,): raise the paint order of what follows
     "cut",  # the book's %
@@ -62,7 +63,9 @@ VALUE_OPS = frozenset(
     {"const", "param", "attr", "index", "row", "call", "uniform", "state", "measure", "count"}
 )
 BODY_OPS = frozenset({"module", "open", "close", "repeat", "slab", "pieces", "part"})
-SCOPE_OPS = frozenset({"state", "measure", "slab", "pieces", "resize", "solid", "center", "report"})
+SCOPE_OPS = frozenset(
+    {"state", "measure", "slab", "pieces", "resize", "solid", "center", "report", "lay"}
+)
 RESIDUAL_TEXTS = ("css", "color", "fill", "stroke")
 RESIDUAL_COLUMNS = ("x", "y", "z", "angle", "scale", "layer", *RESIDUAL_TEXTS)
 
@@ -213,7 +216,8 @@ class Late:
 @dataclass(frozen=True, slots=True)
 class Ground:
     """What a derivation starts on: a box (3 registers), a polygon (2 or 3 registers a corner; the
-    number of coordinates is `width`), or the faces and closed paths of a file, one shape each.
+    number of coordinates is `width`), or the faces and closed paths of a file (or of a node of it),
+    one shape each.
     """
 
     kind: Literal["box", "polygon", "file"]
@@ -222,6 +226,7 @@ class Ground:
     outputs: tuple[int, ...] = ()
     width: int = 3
     path: Path | None = None
+    node: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -232,7 +237,9 @@ class Program:
     productions. `threaded`: some module that moves is followed by something that reads the turtle
     in its bracket, or a production has context: derive as a string. `flat`: nothing leaves z = 0.
     `strings`: interned text values; a text in a register is its number. `scoped`: shapes have a
-    scope and geometry; `ground`: what the start stands on, None for a turtle or a unit square.
+    scope and geometry; `ground`: what the start stands on, None for a turtle or a unit square;
+    `varied`: the attributes whose defaults are drawn for each first shape of a file: they are the
+    axiom's parameters, in this order.
     """
 
     symbols: tuple[Symbol, ...]
@@ -259,3 +266,4 @@ class Program:
     path: str = ""
     scoped: bool = False
     ground: Ground | None = None
+    varied: tuple[int, ...] = ()

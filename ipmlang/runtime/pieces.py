@@ -90,6 +90,8 @@ def _all_boxes(use: Apart) -> bool:
 
 # ------------------------------------------------------------------------------ selecting
 
+ORIENTED = frozenset().union(*boxes.WORDS) | {"aslant"}  # they say where a face looks, now
+
 
 def selects(selector: ir.Const, words: frozenset[str], number: int) -> bool:
     """Whether a selector takes a piece with these words, by its number among all pieces.
@@ -101,7 +103,7 @@ def selects(selector: ir.Const, words: frozenset[str], number: int) -> bool:
         case ("all",):
             return True
         case ("word", word):
-            return word in words
+            return word in words or (word not in ORIENTED and _ends_a_tag(str(word), words))
         case ("index", index):
             return index == number
         case ("not", inner):
@@ -112,6 +114,11 @@ def selects(selector: ir.Const, words: frozenset[str], number: int) -> bool:
             return selects(left, words, number) or selects(right, words, number)  # type: ignore[arg-type]
         case _:
             raise AssertionError(f"no selector: {selector!r}")
+
+
+def _ends_a_tag(word: str, words: frozenset[str]) -> bool:
+    """Whether a word is the last one of a tag: `slope` of `roof.slope`."""
+    return any(each.endswith(f".{word}") for each in words)
 
 
 def _taken(selectors: Sequence[ir.Const], words: Sequence[frozenset[str]]) -> list[list[int]]:

@@ -85,14 +85,12 @@ def plain(text: str) -> str:
 def test_all_four_families_check(family: str) -> None:
     found = checked(plain(FAMILIES[family]))
     assert [render(each) for each in found.diagnostics] == []
-    assert bool(found.not_ready) == (family != "turtle")
+    assert bool(found.not_ready) == (family not in ("turtle", "split"))
 
 
 def test_what_cannot_run_yet_is_named_with_its_place() -> None:
-    found = checked(plain(FAMILIES["split"]))
-    assert {"extrude", "comp", "split", "octant", "insert", "split.index"} <= {
-        each.name for each in found.not_ready
-    }
+    found = checked(plain(FAMILIES["marching"]))
+    assert {"march", "tube"} <= {each.name for each in found.not_ready}
     assert all(
         found.source.text[each.start : each.end].startswith(each.name) for each in found.not_ready
     )

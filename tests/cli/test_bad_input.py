@@ -164,8 +164,9 @@ def test_a_file_that_is_no_grammar(content: bytes, says: str, tmp_path: Path) ->
 
 
 def test_what_is_not_executable_yet_is_named(tmp_path: Path) -> None:
-    (tmp_path / "lot.ipm").write_text(f"ipm 1\n{GRAMMARS['solids']}\n", encoding="utf-8")
-    assert bounded("check", "lot.ipm", folder=tmp_path).returncode == 0
-    done = bounded("run", "lot.ipm", "-o", "lot.obj", folder=tmp_path)
+    ivy = "Ivy --> march(1, 0) { top: Ivy | extruded: Bark }\nBark --> tube(0.1)\nstart Ivy"
+    (tmp_path / "ivy.ipm").write_text(f"ipm 1\n{ivy}\n", encoding="utf-8")
+    assert bounded("check", "ivy.ipm", folder=tmp_path).returncode == 0
+    done = bounded("run", "ivy.ipm", "-o", "ivy.obj", folder=tmp_path)
     assert done.returncode == 1
-    assert "extrude" in done.stderr and "comp" in done.stderr
+    assert "march" in done.stderr and "tube" in done.stderr

@@ -85,7 +85,7 @@ def check_argument(scope: Scope, param: Param, value: ast.Expr, name: str) -> No
         check_words(scope, param, value, what)
         return
     want(scope, value, param.type, what)
-    if param.suffixes and isinstance(value, ast.Text):
+    if param.suffixes and isinstance(value, ast.Text) and value.value:  # an empty text is no file
         _check_file(scope, param, value, what)
     number = constant(value)
     if param.above is not None and number is not None and number <= param.above:

@@ -22,11 +22,14 @@ Code: TypeAlias = tuple[ir.Instruction, ...]
 
 @dataclass(frozen=True, slots=True)
 class Carried:
-    """The symbols and productions of a program that carries what is set."""
+    """The symbols and productions of a program that carries what is set; `varied`: the attributes
+    that are parameters of the axiom.
+    """
 
     symbols: tuple[ir.Symbol, ...]
     productions: tuple[ir.Production, ...]
     axiom: ir.Production
+    varied: tuple[int, ...] = ()
 
 
 def carried(
@@ -34,8 +37,12 @@ def carried(
     productions: Sequence[ir.Production],
     axiom: ir.Production,
     changes: Sequence[Changes],
+    varied: Sequence[int] = (),
 ) -> Carried:
     r"""The program with its changed attributes as parameters; the last of `changes` is the axiom's.
+
+    `varied` are attributes that each first shape has a value of its own for, as if a `set` stood in
+    front of the axiom: those that it needs are its parameters.
 
     >>> from ipmlang.compiler import compile_text
     >>> text = "ipm 1\nattr d = 1\nA --> F(d)\nB --> F(2)\nstart A [set d = 3 A] B\n"
@@ -43,17 +50,20 @@ def carried(
     [('A', 1, 1), ('B', 0, 0), ('F', 1, 0)]
     """
     settable = {attr for own in changes for behind in own.values() for attr in behind}
+    settable |= set(varied)
     if not settable:
         return Carried(tuple(symbols), tuple(productions), axiom)
     needs = _needs(symbols, productions, changes, settable)
+    told = tuple(sorted(_of_axiom(axiom, needs, changes[-1]) & set(varied)))
     made = tuple(
-        _production(symbols, production, needs, own)
+        _production(production, needs, own, _own(symbols, production, needs))
         for production, own in zip(productions, changes, strict=False)
     )
     return Carried(
         tuple(_symbol(*pair) for pair in zip(symbols, needs, strict=True)),
         made,
-        _production(symbols, axiom, needs, changes[-1]),
+        _production(axiom, needs, changes[-1], (0, told)),
+        told,
     )
 
 
@@ -87,6 +97,22 @@ def _needs(
     return [sorted(each) for each in needs]
 
 
+def _of_axiom(axiom: ir.Production, needs: Needs, changes: Changes) -> set[int]:
+    """What the axiom must be told."""
+    found = set(_reads(axiom.body))
+    for each in _all(axiom.body):
+        if each.op == "module":
+            found |= set(needs[_number(each)]) - changes.get(each.site, {}).keys()
+    return found
+
+
+def _own(
+    symbols: Sequence[ir.Symbol], production: ir.Production, needs: Needs
+) -> tuple[int, Sequence[int]]:
+    """How many parameters the symbol of a production has, and what it carries."""
+    return symbols[production.symbol].arity, needs[production.symbol]
+
+
 def _symbol(symbol: ir.Symbol, needs: Sequence[int]) -> ir.Symbol:
     if not needs:
         return symbol
@@ -96,11 +122,13 @@ def _symbol(symbol: ir.Symbol, needs: Sequence[int]) -> ir.Symbol:
 
 
 def _production(
-    symbols: Sequence[ir.Symbol], production: ir.Production, needs: Needs, changes: Changes
+    production: ir.Production,
+    needs: Needs,
+    changes: Changes,
+    carries: tuple[int, Sequence[int]],
 ) -> ir.Production:
     """A production whose modules are told what they need; it reads its own from its parameters."""
-    own = () if production.symbol < 0 else needs[production.symbol]
-    arity = 0 if production.symbol < 0 else symbols[production.symbol].arity
+    arity, own = carries
     first = sum(map(_captured, production.left)) + arity
     places = {attr: first + number for number, attr in enumerate(own)}
     told = _Told(production.registers, needs, changes)

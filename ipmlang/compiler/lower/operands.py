@@ -6,7 +6,6 @@ here; a parameter that nobody gave is its default, or NaN, which the operation r
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 from ipmlang.compiler import ast
@@ -28,7 +27,7 @@ def operands(
         if given is None and by_place and not param.named:
             given = by_place.pop(0)
         if given is None:
-            found.append(Known(float(defaults.get(param.name, math.nan))))
+            found.append(Known(float(defaults[param.name])))
         else:
             found.append(_operand(code, param, given, names))
     return found

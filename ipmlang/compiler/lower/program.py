@@ -65,7 +65,8 @@ class Lowering:
         scoped = ground is not None or analysis.scoped(self._symbols, (*self._productions, first))
         if scoped:
             self._symbols = [_terminal(each) for each in self._symbols]
-        made = carried(self._symbols, self._productions, first, (*self._changes, behind))
+        drawn = settings.varied(self._attrs) if scoped else ()
+        made = carried(self._symbols, self._productions, first, (*self._changes, behind), drawn)
         first = made.axiom
         found = analysis.Analysis(made.symbols, made.productions, start.steps is not None)
         canvas, size = settings.canvas(self._pool, self._main)
@@ -96,6 +97,7 @@ class Lowering:
             self._main.source.path,
             scoped,
             ground,
+            made.varied,
         )
 
     # ------------------------------------------------------------------ what bodies ask

@@ -143,13 +143,25 @@ def hidden(numbers: tuple[int, int] | None) -> tuple[ir.Attribute, ...]:
     )
 
 
+def varied(attrs: Sequence[ir.Attribute]) -> tuple[int, ...]:
+    """The attributes whose defaults draw random numbers, or read one that does."""
+    found: set[int] = set()
+    for number, attr in enumerate(attrs):
+        code, _ = attr.default
+        if any(each.op == "uniform" or (each.op == "attr" and each.const in found)
+               for each in code):  # fmt: skip
+            found.add(number)
+    return tuple(sorted(found))
+
+
 def ground(pool: Pool, unit: Unit, number: int, place: ast.Place | None) -> ir.Ground | None:
     """What the start stands on; None for a turtle, a unit square or a surface."""
     if place is None or place.kind == "surface":
         return None
     if place.kind == "file":
         assert place.reference is not None
-        return ir.Ground("file", path=(unit.folder / place.reference).absolute())
+        file, _, node = place.reference.partition("#")
+        return ir.Ground("file", path=(unit.folder / file).absolute(), node=node or None)
     code = Code(pool, unit, number)
     width = 3
     exprs: list[ast.Expr] = list(place.args)

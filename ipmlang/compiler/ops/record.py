@@ -41,8 +41,7 @@ class Param:
 @dataclass(frozen=True, slots=True)
 class Step:
     """One IR instruction of an operation's meaning. Each arg is a parameter's name (optionally
-    negated: `-angle`), or a number; a parameter that was left out takes `defaults` of the record,
-    or NaN where these name none.
+    negated: `-angle`), or a number; a parameter that was left out takes `defaults` of the record.
     The op `body` stands for the parts in braces (`polygon { … }`).
     """
 

@@ -6,6 +6,8 @@ is one that no executor runs yet: `run` names it.
 
 from __future__ import annotations
 
+import math
+
 from ipmlang.compiler.ops.record import Effect, Family, Operation, Param, Step, ValueType
 
 _XYZ = (Param("x"), Param("y"), Param("z"))
@@ -42,6 +44,7 @@ def scoped(
         doc,
         forms=forms,
         synonyms=synonyms,
+        defaults=tuple((name, math.nan) for name in _optional(forms)),
         meaning=made if act or meaning else (),
         labels=labels,
         bare=bare,
@@ -51,6 +54,11 @@ def scoped(
         examples=examples,
         refused=refused,
     )
+
+
+def _optional(forms: tuple[tuple[Param, ...], ...]) -> dict[str, None]:
+    """The parameters that may be left out: these are NaN then, and the operation knows best."""
+    return dict.fromkeys(param.name for form in forms for param in form if param.optional)
 
 
 def words(name: str, *choices: str, named: bool = False, optional: bool = False) -> Param:
@@ -113,24 +121,36 @@ FLOW = (
 )  # fmt: skip
 
 LOOK = (
-    scoped("texture", "Set the texture of what is drawn: an image beside the grammar.",
+    scoped("texture", "Lay an image on what is drawn in 3-D: a file beside the grammar. Each side "
+                       "of a scope is one image; geometry that brings texture coordinates keeps "
+                       "them, and `projectUV`, `tileUV` and their like say otherwise. An empty "
+                       "name lays none.",
             ((Param("file", "string", suffixes=(".png", ".jpg", ".jpeg")),),), (),
             ("texture(1)", 'texture("nowhere.png") Wall'),
-            family="pen", effect="pen"),
-    scoped("setupProjection", "Lay texture coordinates on the scope's plane, tiles of the given "
-                               "size.",
-            ((words("plane", "xy", "xz", "yz"), Param("width"), Param("height")),),
-            ("setupProjection(xy, 2, 1) Wall",), ("setupProjection(2, 1)",)),
-    scoped("projectUV", "Apply the projection that was set up.", ((),), ("projectUV Wall",),
-            ("projectUV(1, 2)",)),
-    scoped("rotateUV", "Turn the texture coordinates, in degrees.", ((Param("angle"),),),
-            ("rotateUV(90) Wall",), ("rotateUV",)),
-    scoped("tileUV", "Repeat the texture at this size.", ((Param("width"), Param("height")),),
-            ("tileUV(2, 1) Wall",), ("tileUV(2)",)),
-    scoped("translateUV", "Move the texture coordinates.", ((Param("u"), Param("v")),),
-            ("translateUV(0.5, 0) Wall",), ("translateUV(1)",)),
-    scoped("scaleUV", "Scale the texture coordinates.", ((Param("u"), Param("v")),),
-            ("scaleUV(2, 2) Wall",), ("scaleUV(1)",)),
+            family="pen", effect="pen", meaning=(Step("pen", ("file",), "texture"),)),
+    scoped("setupProjection", "Ready a projection of textures: onto this plane of the scope, from "
+                               "its origin, in images of the given size in the scope's units. It "
+                               "holds for all that follows, so that an image runs on over the "
+                               "parts that splits make, once `projectUV` stands in them.",
+            ((words("plane", "xy", "xz", "yz"), Param("width", above=0),
+              Param("height", above=0)),),
+            ("setupProjection(xy, 2, 1) projectUV Wall",),
+            ("setupProjection(2, 1)", "setupProjection(xy, 0, 1)"), act="lay"),
+    scoped("projectUV", "Lay textures as the last `setupProjection` says.", ((),),
+            ("setupProjection(xy, 2, 1) split x { ~1: projectUV Wall }",), ("projectUV(1, 2)",),
+            act="lay"),
+    scoped("tileUV", "Repeat the texture: images of this size in the scope's units, on each side "
+                      "of a scope or in a projection.",
+            ((Param("width", above=0), Param("height", above=0)),),
+            ("tileUV(2, 1) Wall",), ("tileUV(2)", "tileUV(0, 1)"), act="lay"),
+    scoped("translateUV", "Move the texture coordinates, in images.",
+            ((Param("u"), Param("v")),), ("translateUV(0.5, 0) Wall",), ("translateUV(1)",),
+            act="lay"),
+    scoped("scaleUV", "Multiply the texture coordinates: by 2 an image is half as large.",
+            ((Param("u"), Param("v")),), ("scaleUV(2, 2) Wall",), ("scaleUV(1)",), act="lay"),
+    scoped("rotateUV", "Turn the texture coordinates about their origin, in degrees, "
+                        "counter-clockwise: the image turns clockwise.",
+            ((Param("angle"),),), ("rotateUV(90) Wall",), ("rotateUV",), act="lay"),
 )  # fmt: skip
 
 TABLE = PLACE + FLOW + LOOK
