@@ -53,9 +53,9 @@ def footprint(polygon: Solid) -> Footprint:
         raise GeometryError(
             "a roof stands on a level polygon", "this one is not level in its scope"
         )
+    fit = fit_rings([ring[:, :2] for ring in rings])
     if normals(polygon)[0, 2] < 0:
         raise GeometryError("a roof's polygon must face up", "turn it over first")
-    fit = fit_rings([ring[:, :2] for ring in rings])
     return Footprint(fit, float(low[2]), len(everything))
 
 
@@ -115,7 +115,7 @@ class Faces:
 def add_underside(made: Faces, base: Footprint, around: Eaves, border: list[list[int]]) -> None:
     """Close a roof from below; `border` are the vertex numbers of the eaves' rings."""
     if around.drop == 0:
-        made.add([ring[::-1] for ring in border], BOTTOM)
+        made.add([ring[::-1] for ring in border if ring], BOTTOM)
         return
     upper = [made.add_level(points, base.level) for points in base.points]
     lower = [made.add_level(points, base.level - around.drop) for points in base.points]
@@ -126,6 +126,8 @@ def add_underside(made: Faces, base: Footprint, around: Eaves, border: list[list
     # Seen from below: the eaves' outline around the footprint's, its holes around the eaves' holes.
     soffits = [[border[0][::-1], lower[0]], *([ring] for ring in lower[1:])]
     for ring, points in zip(border[1:], around.points[1:], strict=True):
+        if not ring:
+            continue
         inside = [k for k, hole in enumerate(base.points) if k and mostly_inside(points, hole)]
         soffits[inside[0] if inside else 0].append(ring[::-1])
     for soffit in soffits:

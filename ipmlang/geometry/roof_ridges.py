@@ -40,8 +40,8 @@ def gable_edges(rings: list[Floats], ridge: float | None) -> set[int]:
     """The edges, by their number in the outline, that bear gables; never two that touch.
 
     Without a direction (degrees) each wing ends in a gable: every side whose face in a hip roof
-    is a triangle between sides that face each other. With one, or if there is no such side, those
-    between convex corners that run across the ridge, the most exactly first.
+    is a triangle between sides that face each other. With one, or where there is neither a wing
+    nor a courtyard, those between convex corners that run across the ridge, the most exactly first.
     """
     sides = _sides(rings[0])
     corners = rings[0][[side[0] for side in sides]]
@@ -58,7 +58,7 @@ def gable_edges(rings: list[Floats], ridge: float | None) -> set[int]:
         faces = straight_skeleton([corners, *rings[1:]]).faces
         triangular = np.array([len(face) == 3 for face in faces[: len(sides)]])
         picked = _apart(convex & facing & triangular, slant, along)
-    for limit in ACROSS:
+    for limit in ACROSS if ridge is not None or len(rings) == 1 else ():
         picked = picked or _apart(convex & (slant <= limit), slant, along)
     return {edge for side in picked for edge in sides[side]}
 

@@ -55,10 +55,10 @@ def roof_gable(
 ) -> Solid:
     """Slopes at one angle between upright gables.
 
-    Without `ridge` each wing of the polygon ends in a gable; a square's ridge runs along its
-    first edge. `ridge` (degrees from x in the polygon's plane) puts gables on the sides between
-    convex corners that run across it. An overhang moves gables outwards like the eaves.
-    Raises GeometryError as `roof_hip` does.
+    Without `ridge` each wing of the polygon ends in a gable (a square's ridge runs along its first
+    edge; a court without wings has none). `ridge` (degrees from x in the polygon's plane) puts
+    gables on the sides between convex corners that run across it. An overhang moves gables
+    outwards like the eaves. Raises GeometryError as `roof_hip` does.
     """
     base = footprint(polygon)
     gables = gable_edges(base.points, _angle(ridge))
@@ -187,14 +187,14 @@ def _planes(base: Footprint, slopes: Sequence[float | None], overhang: float) ->
 
 
 def _border(around: Eaves, faces: Sequence[list[int]]) -> list[list[int]]:
-    """The vertices of the eaves' rings: each edge's face begins with its ends."""
+    """The vertices of the eaves' rings: a face begins with its edge. A speck's ring is empty."""
     rings: list[list[int]] = []
     first = 0
     for points in around.points:
         own = faces[first : first + len(points)]
         rings.append([face[0] for face in own if face])
         first += len(points)
-    return [ring for ring in rings if ring]
+    return rings
 
 
 def _cut_at(

@@ -15,6 +15,7 @@ import numpy as np
 from ipmlang.geometry.solid import Floats, GeometryError
 
 SAME = 1e-9  # points nearer than this part of the polygon's size are one
+NO_AREA = ("the polygon has no area", "it needs three corners that are not in one line")
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,11 +44,13 @@ def fit_rings(rings: Sequence[Floats | Sequence[Sequence[float]]]) -> list[Ring]
     for number, points in enumerate(arrays):
         ring = _cleaned(points, first, SAME * size)
         first += len(points)
-        if ring is not None:
+        if number == 0 and ring is None:
+            raise GeometryError(*NO_AREA)
+        if ring is not None and (number == 0 or abs(signed_area(ring.points)) > SAME * size**2):
             found.append(_turned(ring, number == 0))
-        elif number == 0:
-            raise GeometryError("the polygon has no area", "it needs three corners or more")
     _check_crossings(found, SAME * size)
+    if signed_area(found[0].points) <= SAME * size**2:
+        raise GeometryError(*NO_AREA)
     return found
 
 
@@ -72,8 +75,7 @@ def _cleaned(points: Floats, first: int, same: float) -> Ring | None:
         at = max(at - 2, 0)
     if len(corners) < 3:
         return None
-    ring = Ring(np.array([corner[:2] for corner in corners]), [corner[2] for corner in corners])
-    return ring if abs(signed_area(ring.points)) > same * same else None
+    return Ring(np.array([corner[:2] for corner in corners]), [corner[2] for corner in corners])
 
 
 def following(points: Floats) -> Floats:
