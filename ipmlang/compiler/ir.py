@@ -25,6 +25,7 @@ Opcode: TypeAlias = Literal[
     "state",  # const: sx, sy, sz (the scope's extents), x, y, z (its origin), label
     "measure",  # const: area, volume or sides, of the shape's geometry
     "count",  # const: repeat number; how many copies there are
+    "query",  # args: labels or keys, and what goes with them; const: name of a query; site
     # children and structure of a body
     "module",  # const: symbol number; args: its parameters; site
     "open",  # [
@@ -44,6 +45,7 @@ Opcode: TypeAlias = Literal[
     "solid",  # args; const: the operation that makes another geometry of the shape's own
     "center",  # args (axes,): move the scope to the middle of the one that the body began with
     "report",  # args (key, value): add to the sum under a key
+    "phase",  # args (number,): the shapes made from here on wait for those of earlier phases
     "lay",  # args; const: the operation that says how textures lie on what follows
     "pen",  # args (value,) or (); const (field, text or None): width, color, css, effect, material
     "layer",  # args (d,): raise the paint order of what follows
@@ -60,11 +62,17 @@ Const: TypeAlias = "float | int | str | tuple[object, ...] | None"
 Chance: TypeAlias = "tuple[Literal['percent', 'weight'], tuple[Instruction, ...], int]"
 
 VALUE_OPS = frozenset(
-    {"const", "param", "attr", "index", "row", "call", "uniform", "state", "measure", "count"}
+    {
+        "const", "param", "attr", "index", "row", "call", "uniform", "state", "measure", "count",
+        "query",
+    }  # fmt: skip
 )
 BODY_OPS = frozenset({"module", "open", "close", "repeat", "slab", "pieces", "part"})
 SCOPE_OPS = frozenset(
-    {"state", "measure", "slab", "pieces", "resize", "solid", "center", "report", "lay"}
+    {
+        "state", "measure", "query", "slab", "pieces", "resize", "solid", "center", "report", "phase",
+        "lay",
+    }  # fmt: skip
 )
 RESIDUAL_TEXTS = ("css", "color", "fill", "stroke")
 RESIDUAL_COLUMNS = ("x", "y", "z", "angle", "scale", "layer", *RESIDUAL_TEXTS)

@@ -7,6 +7,7 @@ that exporters read. Nothing here derives, and no geometry is read.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
@@ -15,9 +16,9 @@ from numpy.typing import NDArray
 from ipmlang.compiler import ir
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.runtime.residual import adjusted
-from ipmlang.runtime.scene import AssetRef, Groups, Instances, Origin, PenStyle, Scene
+from ipmlang.runtime.scene import AssetRef, Groups, Instances, Origin, PenStyle, Scene, TextureMaps
 
-TEXT_FIELDS = ("css", "fill", "stroke", "material")  # pen fields that make a style
+TEXT_FIELDS = ("css", "fill", "stroke", "material", "texture")  # pen fields that make a style
 
 
 Framed = TypeVar("Framed", "Rows", Groups)
@@ -31,7 +32,7 @@ class Rows:
     SCOPE; `shape` a polygon's number or -1; `width` NaN and `color` -1 where the pen sets none,
     else a number of Program.strings; `texts` the same for each of TEXT_FIELDS that some row sets;
     `symbol` the terminal's number; `rule` the production that made it, -1 for the axiom; `key`
-    (n,) u64; `groups` what `effect` wraps.
+    (n,) u64; `groups` what `effect` wraps; `texture_maps` how textures lie.
     """
 
     position: NDArray[np.float64]
@@ -48,6 +49,7 @@ class Rows:
     rule: NDArray[np.int32]
     key: NDArray[np.uint64]
     groups: Groups | None = None
+    texture_maps: TextureMaps | None = None
 
 
 def scene(
@@ -96,6 +98,7 @@ def scene(
         seed,
         notes=notes,
         groups=rows.groups,
+        texture_maps=rows.texture_maps,
     )
 
 
@@ -140,15 +143,17 @@ def _styles(program: ir.Program, rows: Rows) -> tuple[tuple[PenStyle, ...], NDAr
         {name: program.strings[i] for name, i in zip(fields, row, strict=True) if i >= 0}
         for row in distinct.tolist()
     ]
-    return tuple(_style(each) for each in texts), number[1:].astype(np.int32)
+    folder = Path(program.path).parent
+    return tuple(_style(each, folder) for each in texts), number[1:].astype(np.int32)
 
 
-def _style(texts: dict[str, str]) -> PenStyle:
+def _style(texts: dict[str, str], folder: Path) -> PenStyle:
     declared = [texts.get("css", "").strip().rstrip(";")]
     declared += [f"{name}:{texts[name]}" for name in ("fill", "stroke") if name in texts]
     return PenStyle(
         ";".join(each for each in declared if each),
         texts.get("material", ""),
+        folder / texts["texture"] if texts.get("texture") else None,
     )
 
 

@@ -16,6 +16,7 @@ from ipmlang.runtime.algebra import Operand, Source
 from ipmlang.runtime.code import INFIX, Names, expression, source
 from ipmlang.runtime.fields import IDENTITY, UNSET
 from ipmlang.runtime.grouping import FIELD
+from ipmlang.runtime.laying import FIELD as UV
 from ipmlang.runtime.primitives import UnscannableError
 from ipmlang.runtime.scene import SCOPE, SEGMENT
 
@@ -470,6 +471,8 @@ class Writer:
             what = f"{scope.count}, {self._values(args)}, {scope.shown}"
             self.source.lines.append(f"run.report({what})")
             return state
+        if each.op == "lay":
+            return self._laid(each, args, scope, state)
         if each.op == "resize":
             sizes = (self.source.let(f"run.extent({source(arg)})") for arg in args)
             return {**state, **dict(zip(("sx", "sy", "sz"), sizes, strict=True))}
@@ -483,6 +486,15 @@ class Writer:
         changed = MOVED if each.op == "center" else changed_by(what)
         own = {name: self.source.let(f"{found}['{name}']") for name in changed if name in state}
         return {**state, **own}
+
+    def _laid(self, each: ir.Instruction, args: list[Operand], scope: Scope, state: State) -> State:
+        """From here on textures lie as the operation says."""
+        names = [name for name in state if name in FRAME]
+        what = f"{each.const!r}, {scope.count}, {self._values(args)}, {source(state[UV])}"
+        return {
+            **state,
+            UV: self._held(f"run.lay({what}, {self._mapping(state, names)}, {scope.shown})"),
+        }
 
     def _slab(self, each: ir.Instruction, scope: Scope, state: State) -> None:
         """The part of the scope between two planes."""
@@ -544,7 +556,7 @@ FRAME = frozenset({"x", "y", "z", "angle", "w", "i", "j", "k", "scale"})
 
 MOVED = ("x", "y", "z")
 SCOPE_FIELDS = ("sx", "sy", "sz", "geo")
-SHAPING = frozenset({"resize", "solid", "center", "report"})
+SHAPING = frozenset({"resize", "solid", "center", "report", "lay"})
 
 
 def changed_by(name: str) -> tuple[str, ...]:

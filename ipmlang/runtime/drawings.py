@@ -20,6 +20,8 @@ from ipmlang.runtime.bodies import OWN
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.grouping import FIELD, Grouping
 from ipmlang.runtime.keys import Words
+from ipmlang.runtime.laying import FIELD as UV
+from ipmlang.runtime.laying import Laying
 from ipmlang.runtime.pool import Pool
 from ipmlang.runtime.scene import SCOPE, SOLID
 
@@ -68,6 +70,7 @@ def rows(
     places: Places,
     initial: dict[str, float],
     grouping: Grouping,
+    laying: Laying,
     pool: Pool,
 ) -> Rows:
     """All drawings in the order of their places (n,); `initial` are the state's fields,
@@ -85,6 +88,7 @@ def rows(
     texts = {name: columns.field(name, np.int32, -1) for name in TEXT_FIELDS if name in initial}
     color = columns.field("color", np.int32, -1)
     group = columns.field(FIELD, np.int32, -1)
+    way = columns.field(UV, np.int32, -1)
     asset = columns.filled(np.int32, lambda chunk: chunk.asset)
     shape = np.full(count, -1, np.int32)
     if "geo" in initial:
@@ -112,6 +116,7 @@ def rows(
         columns.filled(np.int32, lambda chunk: chunk.rule),
         key,
         grouping.groups(program, group),
+        laying.maps(way),
     )
 
 

@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterable, Iterator
 
 from ipmlang.compiler import ir
+from ipmlang.runtime.laying import FIELD as UV
 
 FLAT = (1.0, 0.0, 0.0, 0.0)  # heading +x, left +y, up +z
 BOOK = (0.0, 1.0, 0.0, 0.0)  # heading +x, left -y, up -z: the published end points need it
@@ -34,6 +35,8 @@ def fields(program: ir.Program) -> dict[str, float]:
     ops = {op for op, _ in used}
     if ops & {"scale", "mirror"} or ("solid", "mirrorScope") in used:
         found["scale"] = 1.0
+    if "lay" in ops:
+        found[UV] = -1.0
     if "layer" in ops:
         found["layer"] = 0.0
     width = program.pen_width

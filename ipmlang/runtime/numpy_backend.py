@@ -58,7 +58,13 @@ def derive_frontier(
         places = frontier.order.places(frontier.shapes, frontier.drawings)
         frontier.order.records.clear()
         rows = drawings.rows(
-            program, frontier.chunks, places, initial, frontier.grouping, frontier.pool
+            program,
+            frontier.chunks,
+            places,
+            initial,
+            frontier.grouping,
+            frontier.laying,
+            frontier.pool,
         )
     made = scene(
         program,

@@ -7,7 +7,7 @@ scope. Children and drawings are not made here.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -20,6 +20,7 @@ from ipmlang.runtime.boxes import AXES, ROTATION, SIZES, State, full
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.copying import Copying, Numbers
 from ipmlang.runtime.keys import Words
+from ipmlang.runtime.laying import READY, SETUP, Laying, LayingError
 from ipmlang.runtime.limits import Counted
 from ipmlang.runtime.pieces import Apart, Batched, apart
 from ipmlang.runtime.pool import BOX, NOTHING, SNAP, Load, Pool
@@ -47,6 +48,7 @@ class Scoping(Copying):
         super().__init__(program, counted)
         self.pool = Pool(load)
         self.reports = Reports()
+        self.laying = Laying()
 
     # -------------------------------------------------------------------------- rows
 
@@ -273,6 +275,29 @@ class Scoping(Copying):
             for number, *size in kinds.rows()
         ])  # fmt: skip
         return kinds.spread(found, np.zeros(1), count)[:, 0]
+
+    def lay(
+        self,
+        name: str,
+        count: int,
+        args: Sequence[Column],
+        parent: Column,
+        state: Mapping[str, Column],
+        shown: Rows,
+    ) -> Floats:
+        """How textures lie on what follows in every row of a batch; the numbers of that."""
+        plane = "xy"
+        if name == SETUP:
+            plane = Given(self.program, self.pool, name, args, count).word(0) or plane
+            args = args[1:]
+        if shown is not None:  # rows that are not there may hold anything
+            there = self.mask(shown, count)
+            args = [np.where(there, arg, 1.0) for arg in args]
+            parent = np.where(there, parent, READY)
+        try:
+            return self.laying.begin(name, count, args, parent, state, plane)
+        except LayingError as error:
+            raise self.counted.error("bad-projection", error.message, hint=error.hint) from error
 
     def report(self, count: int, args: Sequence[Column], shown: Rows) -> None:
         """Add to the sums under keys."""

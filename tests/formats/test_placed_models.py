@@ -12,41 +12,12 @@ from ipmlang.formats.mesh_types import Mesh, baked, triangulated
 from ipmlang.geometry.solid import Solid, polygon, unit_box
 from ipmlang.runtime.export.models import mesh_scene_of
 from ipmlang.runtime.export.solids import solid_mesh
-from ipmlang.runtime.scene import SOLID, AssetRef, Instances, Origin, PenStyle, Scene
+from ipmlang.runtime.scene import SOLID, AssetRef, Scene
+from tests.formats.built import scene, table
 
 WEDGE = (
     "v 1 1 1\nv 3 1 1\nv 3 2 1\nv 1 2 1\nv 1 1 5\nf 1 4 3 2\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"
 )
-
-
-def table(sizes: list[list[float]], asset: int) -> Instances:
-    """Rows of those sizes: at 10, 20, 30, .. along x, turned by 90 degrees about z, scaled by 2."""
-    count = len(sizes)
-    position = np.zeros((count, 3))
-    position[:, 0] = 10 * np.arange(1, count + 1)
-    rotation = np.tile([np.sqrt(0.5), 0, 0, np.sqrt(0.5)], (count, 1))
-    none = np.zeros(count, np.int32)
-    return Instances(
-        position,
-        rotation,
-        np.full(count, 2.0),
-        np.array(sizes),
-        np.full(count, asset, np.int32),
-        none.copy(),
-        none.copy(),
-        np.full(count, np.nan, np.float32),
-        np.zeros(count, np.uint32),
-        np.zeros(count),
-        none.copy(),
-        none.copy(),
-        np.arange(count, dtype=np.uint64),
-    )
-
-
-def scene(rows: Instances, *assets: AssetRef, solids: tuple[Solid, ...] = ()) -> Scene:
-    """A scene of those rows."""
-    origin = (Origin("a.ipm", "A", 1),)
-    return Scene(rows, assets, (PenStyle(),), ("part",), origin, False, solids=solids)
 
 
 def boxes(found: Scene) -> list[list[list[float]]]:

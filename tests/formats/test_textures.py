@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import json
 import struct
-import zlib
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
@@ -18,23 +17,9 @@ from ipmlang.formats.atomic import write_files
 from ipmlang.formats.mesh import mesh_contents, read_mesh, read_meshes
 from ipmlang.formats.mesh_types import Material, Mesh, MeshScene, single
 from ipmlang.formats.textures import Texture, has_alpha, texture_at, texture_beside, texture_of
+from tests.formats.built import png
 
 QUAD = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nvt 0 0\nvt 2 0\nvt 2 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n"
-
-
-def png(*pixels: int, kind: int = 0) -> bytes:
-    """An image of one row: grey (kind 0), or red, green, blue and opacity (6)."""
-    width = len(pixels) // (4 if kind == 6 else 1)
-    parts = {
-        b"IHDR": struct.pack(">IIBBBBB", width, 1, 8, kind, 0, 0, 0),
-        b"IDAT": zlib.compress(bytes([0, *pixels])),
-        b"IEND": b"",
-    }
-    packed = [
-        struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
-        for name, data in parts.items()
-    ]
-    return b"\x89PNG\r\n\x1a\n" + b"".join(packed)
 
 
 def jpeg() -> bytes:

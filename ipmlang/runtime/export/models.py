@@ -13,13 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.compiler.diagnostics import fail
+from ipmlang.formats import FormatError
 from ipmlang.formats.drawing import Note
-from ipmlang.formats.mesh_types import Material, Mesh, MeshScene, triangle_mesh
+from ipmlang.formats.mesh_types import Alpha, Material, Mesh, MeshScene
+from ipmlang.formats.textures import Texture, has_alpha, texture_at
 from ipmlang.runtime.export.fitting import fitted_matrices
 from ipmlang.runtime.export.model_assets import model_assets
 from ipmlang.runtime.export.pens import hex_color
 from ipmlang.runtime.export.placing import frame_matrices
 from ipmlang.runtime.export.solids import solid_mesh
+from ipmlang.runtime.export.uv import Copies, laid
 from ipmlang.runtime.scene import OUTLINE, SCOPE, SEGMENT, SOLID, Scene
 
 Floats = NDArray[np.float64]
@@ -64,10 +67,17 @@ class _Model:
         order = np.argsort(row, kind="stable")
         row = row[order]
         material, materials = self._materials(row)
+        meshes, mesh = self.meshes, np.concatenate(self.mesh)[order]
+        matrix = np.concatenate(self.matrix)[order]
+        textured = np.array([*(each.texture is not None for each in materials), False])[material]
+        if textured.any():
+            maps = self.scene.texture_maps
+            way = np.full(len(row), -1) if maps is None else maps.of[row].astype(np.int64)
+            meshes, mesh = laid(meshes, Copies(mesh, matrix, way, textured), maps)
         return MeshScene(
-            tuple(self.meshes),
-            np.concatenate(self.mesh)[order],
-            np.concatenate(self.matrix)[order],
+            tuple(meshes),
+            mesh,
+            matrix,
             table.label[row].astype(np.int64),
             material,
             self.scene.labels,
@@ -160,25 +170,41 @@ class _Model:
             self._add(mesh, rows, placed)
 
     def _materials(self, row: Rows) -> tuple[NDArray[np.int64], tuple[Material, ...]]:
-        """What the pen sets for each copy: a named material, a colour, both, or neither (-1)."""
+        """What the pen sets for each copy: a name, a colour, an image, or none of these (-1)."""
         table = self.scene.instances
         key = np.stack([table.style[row].astype(np.int64), table.color[row].astype(np.int64)], 1)
-        if not key[:, 1].any() and not any(style.material for style in self.scene.styles):
+        named = any(style.material or style.texture for style in self.scene.styles)
+        if not key[:, 1].any() and not named:
             return np.full(len(row), -1, np.int64), ()
         distinct, inverse = np.unique(key, axis=0, return_inverse=True)
+        textures = _textures(self.scene, np.unique(distinct[:, 0]).tolist())
         found: dict[Material, int] = {}
         number = []
         for style, color in distinct.tolist():
-            material = _material(self.scene.styles[style].material, color)
+            material = _material(self.scene.styles[style].material, color, textures.get(style))
             number.append(-1 if material is None else found.setdefault(material, len(found)))
         return np.array(number, np.int64)[inverse.reshape(-1)], tuple(found)
 
 
-def _material(name: str, color: int) -> Material | None:
+def _textures(scene: Scene, styles: list[int]) -> dict[int, Texture]:
+    """The images of the styles that have one, each looked at once."""
+    paths = {style: scene.styles[style].texture for style in styles}
+    try:
+        images = {path: texture_at(path) for path in paths.values() if path is not None}
+    except FormatError as error:
+        raise fail("bad-texture", error.message, hint=error.hint) from error
+    return {style: images[path] for style, path in paths.items() if path is not None}
+
+
+def _material(name: str, color: int, texture: Texture | None) -> Material | None:
+    if not (color or name or texture):
+        return None
+    alpha: Alpha = "MASK" if texture is not None and has_alpha(texture) else ""
     if not color:
-        return Material(name) if name else None
-    parts = [(color >> shift & 255) / 255 for shift in (24, 16, 8, 0)]
-    return Material(name or hex_color(color)[0], (parts[0], parts[1], parts[2], parts[3]))
+        return Material(name or (texture.name if texture else ""), None, texture, alpha)
+    red, green, blue, opacity = ((color >> shift & 255) / 255 for shift in (24, 16, 8, 0))
+    title = name or (texture.name if texture else hex_color(color)[0])
+    return Material(title, (red, green, blue, opacity), texture, alpha)
 
 
 def unit_cylinder(sides: int) -> Mesh:
@@ -206,9 +232,10 @@ def unit_cube() -> Mesh:
 
 
 def unit_square(axis: int) -> Mesh:
-    """From the origin to 1 along the two axes other than `axis`, as two triangles."""
-    first, second = (axis + 1) % 3, (axis + 2) % 3
-    vertices = np.zeros((4, 3))
-    vertices[[1, 2], first] = 1.0
-    vertices[[2, 3], second] = 1.0
-    return triangle_mesh(vertices, np.array([[0, 1, 2], [0, 2, 3]]), "rectangle")
+    """From the origin to 1 along the two axes other than `axis`, facing right (+x), to the front
+    (-y) or up (+z).
+    """
+    flat = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    none, offsets = np.zeros(1, np.int64), np.array([0, 4])
+    vertices = np.insert(flat, axis, 0.0, axis=1)
+    return Mesh(vertices, np.arange(4), offsets, none - 1, none, groups=(("rectangle",),))

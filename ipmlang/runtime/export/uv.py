@@ -1,0 +1,151 @@
+"""Texture coordinates of copies: on the faces of their scopes, or as a projection lays them.
+
+In go meshes and where their copies stand, out come meshes with coordinates: copies whose
+coordinates agree, but for whole tiles, share one. A mesh that has coordinates keeps them where no
+projection is applied. No image is read, and nothing is written here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.formats.mesh_types import Mesh
+from ipmlang.runtime.export.placing import rotation_matrices
+from ipmlang.runtime.scene import TextureMaps
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Rows = NDArray[np.intp]
+
+_NEAR = 1e6  # texture coordinates that differ by less than a millionth are the same
+_WHOLE = np.eye(2, 3)
+
+# Of the six sides of a box, seen from outside: the axes of u and v, and whether u or v runs back.
+# By the axis of the normal, for the side that faces down it and the one that faces up.
+_SIDES = np.array(
+    [[[1, 2, 1, 0], [1, 2, 0, 0]], [[0, 2, 0, 0], [0, 2, 1, 0]], [[0, 1, 0, 1], [0, 1, 0, 0]]]
+)
+
+
+@dataclass(slots=True, eq=False)
+class Copies:
+    """Copies of meshes: mesh (n,) index into meshes; matrix (n, 3, 4) to the world; way (n,) index
+    into texture maps, -1 for none; textured (n,) whether an image is laid on them at all.
+    """
+
+    mesh: Indices
+    matrix: Floats
+    way: Indices
+    textured: NDArray[np.bool_]
+
+
+def laid(
+    meshes: list[Mesh], copies: Copies, maps: TextureMaps | None
+) -> tuple[list[Mesh], Indices]:
+    """The meshes and the number of each copy's, those with an image with texture coordinates."""
+    number = copies.mesh.copy()
+    made = list(meshes)
+    order = np.argsort(copies.mesh, kind="stable")
+    order = order[copies.textured[order]]
+    used, begins = np.unique(copies.mesh[order], return_index=True)
+    for mesh, rows in zip(used.tolist(), np.split(order, begins[1:]), strict=True):
+        way = copies.way[rows]
+        projected = np.zeros(len(rows), np.bool_)
+        if maps is not None:
+            projected = (way >= 0) & maps.projected[way]
+        for part, lay in ((rows[~projected], _fitted), (rows[projected], _projected)):
+            if len(part):
+                variants, which = lay(meshes[mesh], copies.matrix[part], copies.way[part], maps)
+                number[part] = which + len(made)
+                made += variants
+    return _kept(made, number)
+
+
+def _kept(meshes: list[Mesh], number: Indices) -> tuple[list[Mesh], Indices]:
+    """The meshes that some copy shows, in their order."""
+    used, place = np.unique(number, return_inverse=True)
+    return [meshes[each] for each in used.tolist()], place.reshape(-1).astype(np.int64)
+
+
+Variants = tuple[list[Mesh], Indices]
+
+
+def _projected(mesh: Mesh, matrix: Floats, way: Indices, maps: TextureMaps | None) -> Variants:
+    """Coordinates by a plane in space: a map (2, 4) of the mesh's own space for each copy."""
+    assert maps is not None
+    linear = rotation_matrices(maps.rotation[way]).transpose(0, 2, 1)
+    linear[:, 0] *= maps.hand[way][:, None]  # a mirrored frame's x runs the other way
+    rows = np.take_along_axis(linear, maps.plane[way][:, :, None], axis=1)
+    rows = rows / maps.tile[way][:, :, None]
+    shifted = matrix[:, :, 3] - maps.position[way]
+    plain = np.concatenate([rows @ matrix[:, :, :3], rows @ shifted[:, :, None]], axis=2)
+    change = maps.map[way]
+    total = change[:, :, :2] @ plain
+    total[:, :, 3] += change[:, :, 2]
+    total[:, :, 3] -= np.floor(total[:, :, 3] + 0.5 / _NEAR)
+    extent = np.ptp(mesh.vertices, axis=0) if len(mesh.vertices) else np.zeros(3)
+    size = np.append(np.maximum(extent, np.abs(mesh.vertices).max(axis=0, initial=0.0)), 1.0)
+    key = np.rint(total.reshape(len(way), -1) * np.tile(size, 2) * _NEAR)
+    first, which = _distinct(key)
+    points = mesh.vertices[mesh.corners]
+    found = [points @ each[:, :3].T + each[:, 3] for each in total[first]]
+    return [replace(mesh, uv=each) for each in found], which
+
+
+def _fitted(mesh: Mesh, matrix: Floats, way: Indices, maps: TextureMaps | None) -> Variants:
+    """Coordinates that the mesh has, or those on the sides of its box; 0 to 1, or in tiles."""
+    tile, change = np.full((len(way), 2), np.nan), np.tile(_WHOLE, (len(way), 1, 1))
+    if maps is not None:
+        there = way >= 0
+        tile[there], change[there] = maps.tile[way[there]], maps.map[way[there]]
+    has_own = mesh.uv is not None and mesh.uv.any()
+    lengths = np.linalg.norm(matrix[:, :, :3], axis=1) * (
+        np.ptp(mesh.vertices[mesh.corners], axis=0) if len(mesh.corners) else np.zeros(3)
+    )
+    tiled = ~np.isnan(tile[:, 0]) & (not has_own)
+    lengths[~tiled], tile[~tiled] = 1.0, 1.0
+    key = np.concatenate([lengths, tile, change.reshape(-1, 6)], axis=1)
+    first, which = _distinct(np.rint(key * _NEAR))
+    base, axes = (mesh.uv, None) if has_own else on_sides(mesh)
+    assert base is not None
+    made = []
+    for row in first.tolist():
+        factors = 1.0 if axes is None else lengths[row][axes] / tile[row]
+        uv = (base * factors) @ change[row][:, :2].T + change[row][:, 2]
+        made.append(replace(mesh, uv=uv))
+    return made, which
+
+
+def _distinct(key: Floats) -> tuple[Rows, Indices]:
+    """The first row of each distinct key, and the number of each row's."""
+    if not len(key) or (key == key[0]).all():
+        return np.arange(min(len(key), 1)), np.zeros(len(key), np.int64)
+    _, first, which = np.unique(key + 0.0, axis=0, return_index=True, return_inverse=True)
+    return first, which.reshape(-1).astype(np.int64)
+
+
+def on_sides(mesh: Mesh) -> tuple[Floats, Indices]:
+    """Coordinates (c, 2) of corners on the sides of the mesh's box, and the axes (c, 2) that u and
+    v go along there. Each side is 0 to 1 from its lower left, seen from outside; a face belongs to
+    the side that it faces most.
+    """
+    if not len(mesh.corners):
+        return np.zeros((0, 2)), np.zeros((0, 2), np.int64)
+    points = mesh.vertices[mesh.corners]
+    low, high = points.min(axis=0), points.max(axis=0)
+    extent = high - low
+    points = (points - low) / np.where(extent > 0, extent, 1.0)
+    begins = mesh.offsets[:-1]
+    counts = np.diff(mesh.offsets)
+    after = np.arange(1, len(points) + 1)
+    after[mesh.offsets[1:] - 1] = begins
+    first = np.repeat(points[begins], counts, axis=0)
+    normal = np.add.reduceat(np.cross(points - first, points[after] - first), begins, axis=0)
+    axis = np.argmax(np.abs(normal), axis=1)
+    up = np.take_along_axis(normal, axis[:, None], axis=1)[:, 0] >= 0
+    sides = np.repeat(_SIDES[axis, up.astype(np.int64)], counts, axis=0)
+    found = np.take_along_axis(points, sides[:, :2], axis=1)
+    return np.where(sides[:, 2:] == 1, 1.0 - found, found), sides[:, :2]

@@ -1,0 +1,180 @@
+"""How textures lie on what is drawn, while a derivation runs: every application is a row.
+
+In go the states in which `setupProjection`, `projectUV`, `tileUV` and their like were met, as
+columns of a batch; out come numbers, which shapes carry in their state like a pen's colour, and at
+the end what these come to: for each its frame, plane, tile and change. No image is known here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.runtime.code import Column
+from ipmlang.runtime.scene import TextureMaps
+
+Floats = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+
+FIELD = "uv"  # of the pen: twice the last application, 1 more if a projection is set up; or -1
+READY = -2.0  # stands for an application in rows that are not there
+PLANES = {"xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
+SETUP, PROJECT, TILE, TRANSLATE, SCALE, ROTATE = (
+    "setupProjection", "projectUV", "tileUV", "translateUV", "scaleUV", "rotateUV"
+)  # fmt: skip
+_FRAME = ("x", "y", "z", "w", "i", "j", "k", "scale")
+_USUAL = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+
+
+class LayingError(Exception):
+    """What an application was given cannot be: why, and a hint."""
+
+    def __init__(self, message: str, hint: str) -> None:
+        super().__init__(message)
+        self.message = message
+        self.hint = hint
+
+
+@dataclass(slots=True, eq=False)
+class _Met:
+    """One application in a batch: `first` is the number of its first row; `parent` (n,) what held
+    before; `values` (n, 2); `frame` (n, 8) where a projection was set up.
+    """
+
+    name: str
+    first: int
+    parent: Numbers
+    values: Floats
+    frame: Floats
+    plane: tuple[int, int]
+
+
+@dataclass(slots=True, eq=False)
+class _Held:
+    """What rows come to (m,): the number of the projection that was set up last and of the one that
+    is applied, -1 for none; tile (m, 2), NaN for none; map (m, 2, 3).
+    """
+
+    ready: Numbers
+    applied: Numbers
+    tile: Floats
+    map: Floats
+
+    def of(self, rows: Numbers) -> _Held:
+        """Those of some rows, to be changed; a row of -1 holds nothing."""
+        none = rows < 0
+        found = _Held(self.ready[rows], self.applied[rows], self.tile[rows], self.map[rows])
+        found.ready[none], found.applied[none] = -1, -1
+        found.tile[none], found.map[none] = np.nan, np.eye(2, 3)
+        return found
+
+
+@dataclass(slots=True, eq=False)
+class Laying:
+    """All applications of one derivation."""
+
+    count: int = 0
+    _met: list[_Met] = field(default_factory=list)
+
+    def begin(
+        self,
+        name: str,
+        count: int,
+        args: Sequence[Column],
+        parent: Column,
+        state: Mapping[str, Column],
+        plane: str = "xy",
+    ) -> Floats:
+        """What shapes carry (count,) of new applications, one for each row of a batch."""
+        values = _table(args, count, 2)
+        if name in (SETUP, TILE) and not (values > 0).all():
+            raise LayingError(f"`{name}` needs a width and a height above 0",
+                              "say how large the image is in the scope's units")  # fmt: skip
+        if not np.isfinite(values).all():
+            raise LayingError(f"`{name}` is given no finite number", "check what it is given")
+        before = np.broadcast_to(np.asarray(parent, np.float64), (count,)).astype(np.int64)
+        ready = (before == READY) | ((before >= 0) & (before % 2 == 1)) | (name == SETUP)
+        if name == PROJECT and not ready.all():
+            raise LayingError(f"`{name}` stands where no projection was set up",
+                              "write setupProjection(xy, 2, 1) before it, where xy is the plane "
+                              "and an image is 2 by 1")  # fmt: skip
+        if name in (SETUP, TILE):
+            values *= np.abs(np.asarray(state.get("scale", 1.0)).reshape(-1, 1))
+        frame = np.zeros((count, 0))
+        if name == SETUP:
+            given = [state.get(key, usual) for key, usual in zip(_FRAME, _USUAL, strict=True)]
+            frame = _table(given, count, len(_FRAME))
+        self._met.append(_Met(name, self.count, before // 2, values, frame, PLANES[plane]))
+        self.count += count
+        return 2.0 * np.arange(self.count - count, self.count) + ready
+
+    def maps(self, of: NDArray[np.int32]) -> TextureMaps | None:
+        """What `of` (n,), as each row carries it, comes to; None if nothing was applied."""
+        if not self.count:
+            return None
+        used, place = np.unique(of // 2, return_inverse=True)
+        held = self._resolved().of(used.astype(np.int64))
+        frames = np.tile(np.array(_USUAL), (self.count, 1))
+        planes = np.zeros((self.count, 2), np.int64)
+        for each in self._met:
+            if each.name == SETUP:
+                frames[each.first : each.first + len(each.parent)] = each.frame
+                planes[each.first : each.first + len(each.parent)] = each.plane
+        projected = held.applied >= 0
+        frame, plane = frames[held.applied], planes[held.applied]
+        rotation = frame[:, 3:7] / np.linalg.norm(frame[:, 3:7], axis=1, keepdims=True)
+        number = np.where(used[place.reshape(-1)] < 0, -1, place.reshape(-1)).astype(np.int32)
+        return TextureMaps(
+            number, projected, plane, frame[:, :3], rotation, np.sign(frame[:, 7]), held.tile,
+            held.map,
+        )  # fmt: skip
+
+    def _resolved(self) -> _Held:
+        """What all rows come to; what held before a row has a smaller number."""
+        none = np.full(self.count, -1, np.int64)
+        tile = np.full((self.count, 2), np.nan)
+        whole = _Held(none, none.copy(), tile, np.tile(np.eye(2, 3), (self.count, 1, 1)))
+        setups = np.full((self.count, 2), np.nan)
+        for each in self._met:
+            rows = np.arange(each.first, each.first + len(each.parent))
+            held = whole.of(each.parent)
+            if each.name == SETUP:
+                held.ready = rows
+                setups[rows] = each.values
+            elif each.name == PROJECT:
+                held.applied = held.ready
+                held.tile = setups[held.ready]
+                held.map = np.tile(np.eye(2, 3), (len(rows), 1, 1))
+            elif each.name == TILE:
+                held.tile = each.values
+            else:
+                held.map = _changed(each.name, each.values, held.map)
+            whole.ready[rows], whole.applied[rows] = held.ready, held.applied
+            whole.tile[rows], whole.map[rows] = held.tile, held.map
+        return whole
+
+
+def _table(columns: Sequence[Column], count: int, width: int) -> Floats:
+    """Columns side by side (count, width), 0 for those that are not there."""
+    found = np.zeros((count, width))
+    for place, column in enumerate(columns):
+        found[:, place] = column
+    return found
+
+
+def _changed(name: str, values: Floats, before: Floats) -> Floats:
+    """Maps (n, 2, 3) with one more change after them."""
+    after = before.copy()
+    if name == TRANSLATE:
+        after[:, :, 2] += values
+    elif name == SCALE:
+        after *= values[:, :, None]
+    else:
+        angle = np.radians(values[:, 0])
+        cos, sin = np.cos(angle), np.sin(angle)
+        turn = np.stack([np.stack([cos, -sin], axis=1), np.stack([sin, cos], axis=1)], axis=1)
+        after = turn @ before
+    return after
