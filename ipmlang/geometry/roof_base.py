@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ipmlang.geometry.skeleton import offset_rings
+from ipmlang.geometry.skeleton import moved_rings
 from ipmlang.geometry.skeleton_rings import Ring, fit_rings, mostly_inside
 from ipmlang.geometry.solid import Floats, GeometryError, Solid, normals, ring_points, solid_of
 
@@ -32,11 +32,6 @@ class Footprint:
     def points(self) -> list[Floats]:
         """The points (n, 2) of each ring, the outline first."""
         return [ring.points for ring in self.rings]
-
-    @property
-    def origins(self) -> list[int]:
-        """Of each clean edge, through all rings, the polygon's edge that it is."""
-        return [edge for ring in self.rings for edge in ring.edges]
 
 
 def footprint(polygon: Solid) -> Footprint:
@@ -61,23 +56,24 @@ def footprint(polygon: Solid) -> Footprint:
 
 @dataclass(frozen=True, slots=True)
 class Eaves:
-    """The rings that a roof begins at, `drop` below its footprint.
+    """The clean rings that a roof begins at, `drop` below its footprint.
 
-    points (n, 2) of each ring, the outline first; edges: the clean edge of the footprint that
-    each edge is, through all rings, -1 for none.
+    The edges of the rings bear numbers of their own; origins: of each number, the polygon's edge
+    that the edge is, -1 for none.
     """
 
-    points: list[Floats]
-    edges: list[int]
+    rings: list[Ring]
+    origins: Sequence[int]
     drop: float
 
 
 def eaves(base: Footprint, drop: float, speeds: Sequence[float]) -> Eaves:
-    """The footprint's rings when each edge has moved outwards by drop times its speed."""
+    """The footprint's rings when each of its edges has moved outwards by drop times its speed."""
     if drop == 0:
-        return Eaves(base.points, list(range(len(base.origins))), 0.0)
-    moved = offset_rings(base.points, -drop, speeds)
-    return Eaves([points for points, _ in moved], [e for _, own in moved for e in own], drop)
+        return Eaves(base.rings, range(base.edges), 0.0)
+    moved = moved_rings(base.rings, -drop, speeds)
+    origins = [edge for ring in moved for edge in ring.edges]
+    return Eaves(fit_rings([ring.points for ring in moved]), origins, drop)
 
 
 @dataclass(slots=True)
@@ -115,7 +111,7 @@ class Faces:
 def add_underside(made: Faces, base: Footprint, around: Eaves, border: list[list[int]]) -> None:
     """Close a roof from below; `border` are the vertex numbers of the eaves' rings."""
     if around.drop == 0:
-        made.add([ring[::-1] for ring in border if ring], BOTTOM)
+        made.add([ring[::-1] for ring in border], BOTTOM)
         return
     upper = [made.add_level(points, base.level) for points in base.points]
     lower = [made.add_level(points, base.level - around.drop) for points in base.points]
@@ -125,10 +121,10 @@ def add_underside(made: Faces, base: Footprint, around: Eaves, border: list[list
             made.add([[high[k - 1], high[k], low[k], low[k - 1]]], SOFFIT)
     # Seen from below: the eaves' outline around the footprint's, its holes around the eaves' holes.
     soffits = [[border[0][::-1], lower[0]], *([ring] for ring in lower[1:])]
-    for ring, points in zip(border[1:], around.points[1:], strict=True):
-        if not ring:
-            continue
-        inside = [k for k, hole in enumerate(base.points) if k and mostly_inside(points, hole)]
+    for ring, court in zip(border[1:], around.rings[1:], strict=True):
+        inside = [
+            k for k, hole in enumerate(base.points) if k and mostly_inside(court.points, hole)
+        ]
         soffits[inside[0] if inside else 0].append(ring[::-1])
     for soffit in soffits:
         made.add(soffit, SOFFIT)

@@ -1,6 +1,6 @@
 """Which way a roof's ridge runs, and which edges of a footprint bear its gables.
 
-In go the rings of a footprint; out come a direction and numbers of edges. Nothing is built here.
+In go the clean rings of a footprint; out come a direction and numbers of edges. It builds nothing.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ from math import cos, radians, sin
 import numpy as np
 from numpy.typing import NDArray
 
-from ipmlang.geometry.skeleton import straight_skeleton
-from ipmlang.geometry.skeleton_rings import directions
+from ipmlang.geometry.skeleton import skeleton_of
+from ipmlang.geometry.skeleton_rings import Ring, directions
 from ipmlang.geometry.solid import Floats
 
 STRAIGHT = 1e-6  # the sine up to which two edges are one side of a building
@@ -36,15 +36,16 @@ def longest_direction(outline: Floats) -> tuple[float, float]:
     return (x, y) if width[best] >= depth[best] * (1 - 1e-9) else (-y, x)
 
 
-def gable_edges(rings: list[Floats], ridge: float | None) -> set[int]:
-    """The edges, by their number in the outline, that bear gables; never two that touch.
+def gable_edges(rings: list[Ring], ridge: float | None) -> set[int]:
+    """The edges of the outline, by the numbers they bear, that have gables; never two that touch.
 
     Without a direction (degrees) each wing ends in a gable: every side whose face in a hip roof
     is a triangle between sides that face each other. With one, or where there is neither a wing
     nor a courtyard, those between convex corners that run across the ridge, the most exactly first.
     """
-    sides = _sides(rings[0])
-    corners = rings[0][[side[0] for side in sides]]
+    outline = rings[0]
+    sides = _sides(outline.points)
+    corners = outline.points[[side[0] for side in sides]]
     along = directions(corners)
     chosen = direction(ridge) if ridge is not None else longest_direction(corners)
     slant = np.abs(along @ np.array(chosen))
@@ -55,12 +56,14 @@ def gable_edges(rings: list[Floats], ridge: float | None) -> set[int]:
         facing = (
             np.einsum("ij,ij->i", np.roll(along, 1, axis=0), np.roll(along, -1, axis=0)) < FACING
         )
-        faces = straight_skeleton([corners, *rings[1:]]).faces
-        triangular = np.array([len(face) == 3 for face in faces[: len(sides)]])
+        own = [outline.edges[side[0]] for side in sides]
+        numbers = 1 + max(edge for ring in rings for edge in ring.edges)
+        faces = skeleton_of([Ring(corners, own), *rings[1:]], [1.0] * numbers).faces
+        triangular = np.array([len(faces[edge]) == 3 for edge in own])
         picked = _apart(convex & facing & triangular, slant, along)
     for limit in ACROSS if ridge is not None or len(rings) == 1 else ():
         picked = picked or _apart(convex & (slant <= limit), slant, along)
-    return {edge for side in picked for edge in sides[side]}
+    return {outline.edges[k] for side in picked for k in sides[side]}
 
 
 def _cross(a: Floats, b: Floats) -> Floats:

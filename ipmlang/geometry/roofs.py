@@ -10,6 +10,7 @@ footprint from below, so that the solid is closed and does not reach into what i
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import isfinite, radians, tan
 
 import numpy as np
@@ -24,7 +25,7 @@ from ipmlang.geometry.roof_base import (
     footprint,
 )
 from ipmlang.geometry.roof_ridges import direction, gable_edges
-from ipmlang.geometry.skeleton import straight_skeleton
+from ipmlang.geometry.skeleton import skeleton_of
 from ipmlang.geometry.skeleton_rings import directions, following
 from ipmlang.geometry.solid import Floats, GeometryError, Solid
 
@@ -47,7 +48,7 @@ def roof_hip(polygon: Solid, degrees: float | Sequence[float], overhang: float =
     """
     base = footprint(polygon)
     slopes = [_slope(each) for each in _for_each_edge(degrees, base.edges)]
-    return _planes(base, [slopes[edge] for edge in base.origins], _checked(overhang))
+    return _planes(base, slopes, _checked(overhang))
 
 
 def roof_gable(
@@ -61,10 +62,10 @@ def roof_gable(
     outwards like the eaves. Raises GeometryError as `roof_hip` does.
     """
     base = footprint(polygon)
-    gables = gable_edges(base.points, _angle(ridge))
     slope = _slope(degrees)
-    upright: list[float | None] = [None if k in gables else slope for k in range(len(base.origins))]
-    return _planes(base, upright, _checked(overhang))
+    gables = gable_edges(base.rings, _angle(ridge))
+    slopes = [None if edge in gables else slope for edge in range(base.edges)]
+    return _planes(base, slopes, _checked(overhang))
 
 
 def roof_shed(
@@ -81,9 +82,9 @@ def roof_shed(
     rise = np.array([-y, x]) * slope
     low = float((base.points[0] @ rise).min())
     reach = _checked(overhang)
-    outer = eaves(base, reach, [1.0] * len(base.origins))
-    drop = max(0.0, low - float((outer.points[0] @ rise).min())) if reach else 0.0
-    return _under_plane(base, Eaves(outer.points, outer.edges, drop), rise, low)
+    around = eaves(base, reach, [1.0] * base.edges)
+    drop = max(0.0, low - float((around.rings[0].points @ rise).min())) if reach else 0.0
+    return _under_plane(base, replace(around, drop=drop), rise, low)
 
 
 def roof_pyramid(polygon: Solid, height: float) -> Solid:
@@ -122,8 +123,8 @@ def roof_mansard(
     if not (isfinite(height) and height > 0):
         raise GeometryError("a roof's height must be above 0")
     reach = _checked(overhang)
-    around = eaves(base, reach * steep, [1 / steep] * len(base.origins))
-    found = straight_skeleton(around.points)
+    around = eaves(base, reach * steep, [1 / steep] * base.edges)
+    found = skeleton_of(around.rings, [1.0] * len(around.origins))
     turn = height / steep + reach
     made = Faces()
     faces, vertices = _cut_at(found.faces, found.vertices, turn)
@@ -173,8 +174,8 @@ def _planes(base: Footprint, slopes: Sequence[float | None], overhang: float) ->
     outwards = [1 / slope if slope else 1 / min(rising) for slope in slopes]
     around = eaves(base, drop, outwards)
     inwards = [1 / slope if slope else 0.0 for slope in slopes]
-    speeds = [inwards[edge] if edge >= 0 else 0.0 for edge in around.edges]
-    found = straight_skeleton(around.points, speeds)
+    speeds = [inwards[edge] if edge >= 0 else 0.0 for edge in around.origins]
+    found = skeleton_of(around.rings, speeds)
     made = Faces()
     made.add_points(found.vertices.tolist(), base.level - around.drop)
     for k, (ring, speed) in enumerate(zip(found.faces, speeds, strict=True)):
@@ -187,14 +188,8 @@ def _planes(base: Footprint, slopes: Sequence[float | None], overhang: float) ->
 
 
 def _border(around: Eaves, faces: Sequence[list[int]]) -> list[list[int]]:
-    """The vertices of the eaves' rings: a face begins with its edge. A speck's ring is empty."""
-    rings: list[list[int]] = []
-    first = 0
-    for points in around.points:
-        own = faces[first : first + len(points)]
-        rings.append([face[0] for face in own if face])
-        first += len(points)
-    return rings
+    """The vertices of the eaves' rings: the face of an edge begins with its ends."""
+    return [[faces[edge][0] for edge in ring.edges] for ring in around.rings]
 
 
 def _cut_at(
@@ -247,8 +242,8 @@ def _under_plane(base: Footprint, around: Eaves, rise: Floats, low: float) -> So
     made = Faces()
     floor, roof = [], []
     ground = base.level - around.drop
-    size = float(np.ptp(around.points[0], axis=0).max())
-    for points in around.points:
+    size = float(np.ptp(around.rings[0].points, axis=0).max())
+    for points in (ring.points for ring in around.rings):
         height = points @ rise - low + around.drop
         floor.append(made.add_level(points, ground))
         upper = made.add_points(np.column_stack([points, height]).tolist(), ground)

@@ -15,10 +15,10 @@ from random import Random
 
 import numpy as np
 
-from ipmlang.geometry.skeleton_contacts import Lines
 from ipmlang.geometry.skeleton_faces import prove, traced
+from ipmlang.geometry.skeleton_lines import BrokenError, Lines, OpenError, Region, loops_of
 from ipmlang.geometry.skeleton_rings import Ring, directions, fit_rings, reversed_ring, signed_area
-from ipmlang.geometry.skeleton_wavefront import BrokenError, OpenError, Region, Wavefront, loops_of
+from ipmlang.geometry.skeleton_wavefront import Wavefront
 from ipmlang.geometry.solid import Floats, GeometryError
 
 Rings = Sequence[Floats | Sequence[Sequence[float]]]
@@ -53,7 +53,6 @@ class _Problem:
     centre: Floats
     unit: float
     fastest: float
-    edges: int
 
 
 def straight_skeleton(rings: Rings, speeds: Sequence[float] | None = None) -> Skeleton:
@@ -67,6 +66,11 @@ def straight_skeleton(rings: Rings, speeds: Sequence[float] | None = None) -> Sk
     >>> [len(face) for face in found.faces], float(found.vertices[:, 2].max())
     ([4, 3, 4, 3], 1.0)
     """
+    return skeleton_of(fit_rings(rings), _for_each_edge(rings, speeds))
+
+
+def skeleton_of(rings: list[Ring], speeds: Sequence[float]) -> Skeleton:
+    """The skeleton of clean rings; speeds and faces are by the numbers that their edges bear."""
     problem = _problem(rings, speeds)
     open_ended = False
     for reach, change in ATTEMPTS:
@@ -95,7 +99,14 @@ def offset_rings(
     distances). None are left where the polygon is used up. Raises GeometryError as
     `straight_skeleton` does.
     """
-    problem = _problem(rings, speeds, outwards=distance < 0)
+    moved = moved_rings(fit_rings(rings), distance, _for_each_edge(rings, speeds))
+    return [(ring.points, ring.edges) for ring in moved]
+
+
+def moved_rings(rings: list[Ring], distance: float, speeds: Sequence[float]) -> list[Ring]:
+    """What `offset_rings` gives, of clean rings; speeds are by the numbers of their edges."""
+    turned = [reversed_ring(ring) for ring in rings] if distance < 0 else rings
+    problem = _problem(turned, speeds)
     limit = abs(distance) * problem.fastest / problem.unit
     for reach, change in ATTEMPTS:
         try:
@@ -105,28 +116,30 @@ def offset_rings(
         found = [ring for region in regions for ring in _rings(problem, region, limit)]
         if distance < 0:
             found = sorted(map(reversed_ring, found), key=lambda ring: signed_area(ring.points) < 0)
-        return [(ring.points, ring.edges) for ring in found]
+        return found
     raise GeometryError("the polygon's edges cannot be moved by that distance")
 
 
-def _problem(rings: Rings, speeds: Sequence[float] | None, outwards: bool = False) -> _Problem:
+def _for_each_edge(rings: Rings, speeds: Sequence[float] | None) -> list[float]:
     edges = sum(len(ring) for ring in rings)
     given = [1.0] * edges if speeds is None else [float(speed) for speed in speeds]
     if len(given) != edges:
         raise GeometryError(f"{edges} edges need {edges} speeds, not {len(given)}")
-    if not all(0 <= speed < inf for speed in given):
+    return given
+
+
+def _problem(rings: list[Ring], speeds: Sequence[float]) -> _Problem:
+    if not all(0 <= speed < inf for speed in speeds):
         raise GeometryError("the speed of an edge must be at least 0")
-    fit = fit_rings(rings)
-    points = np.concatenate([ring.points for ring in fit])
+    points = np.concatenate([ring.points for ring in rings])
     low, high = points.min(axis=0), points.max(axis=0)
     unit = ldexp(1.0, frexp(float((high - low).max()))[1])  # a power of two: scaling is exact
-    fastest = max(given[edge] for ring in fit for edge in ring.edges)
+    fastest = max(speeds[edge] for ring in rings for edge in ring.edges)
     if fastest == 0:
         raise GeometryError("no edge moves", "one edge must have a slope")
     centre = (low + high) / 2
-    fit = [reversed_ring(ring) for ring in fit] if outwards else fit
-    scaled = [Ring((ring.points - centre) / unit, ring.edges) for ring in fit]
-    return _Problem(scaled, [s / fastest for s in given], centre, unit, fastest, edges)
+    scaled = [Ring((ring.points - centre) / unit, ring.edges) for ring in rings]
+    return _Problem(scaled, [speed / fastest for speed in speeds], centre, unit, fastest)
 
 
 def _started(problem: _Problem, reach: float, change: float) -> tuple[Wavefront, list[Region]]:
@@ -183,7 +196,7 @@ def _solved(problem: _Problem, reach: float, change: float) -> Skeleton:
     vertices = nodes[used] * problem.unit
     vertices[:, :2] += problem.centre
     vertices[:, 2] /= problem.fastest
-    faces: list[list[int]] = [[] for _ in range(problem.edges)]
+    faces: list[list[int]] = [[] for _ in problem.speeds]
     holes: dict[int, list[list[int]]] = {}
     walls: list[list[int]] = []
     for line, face in kept.items():

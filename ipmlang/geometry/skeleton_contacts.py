@@ -1,4 +1,4 @@
-"""Moving lines, the corners between them, and when the corners of a region meet what.
+"""When the corners of a region meet what.
 
 In go the corners of a region at a moment; out comes the first later moment at which a segment
 has lost its length or a corner has run into a segment, with all the contacts of that moment. It
@@ -7,110 +7,17 @@ never changes a corner or a link.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ipmlang.geometry.skeleton_lines import Corner, Lines
 from ipmlang.geometry.solid import Floats
 
 STILL = 1e-12  # a speed below this is rounding
 FLAT = 1e-3  # corners this straight are looked at when opposite sides fall together
-
-
-class Lines:
-    """Lines that move to their left: (-dy, dx) . p = offset + speed * time, (dx, dy) of length 1.
-
-    The columns are lists for one line at a time; `table` has them as an array (5, n) of rows.
-    """
-
-    def __init__(self) -> None:
-        self.dx: list[float] = []
-        self.dy: list[float] = []
-        self.offset: list[float] = []
-        self.speed: list[float] = []
-        self._table: Floats | None = None
-
-    def add(self, dx: float, dy: float, x: float, y: float, speed: float) -> int:
-        """A line along (dx, dy) that is at (x, y) at time 0; its number."""
-        self.dx.append(dx)
-        self.dy.append(dy)
-        self.offset.append(dx * y - dy * x)
-        self.speed.append(speed)
-        self._table = None
-        return len(self.dx) - 1
-
-    @property
-    def table(self) -> Floats:
-        """Rows dx, dy, offset, speed, a column for each line."""
-        if self._table is None:
-            self._table = np.array([self.dx, self.dy, self.offset, self.speed])
-        return self._table
-
-    def sine(self, one: int, other: int) -> float:
-        """Of the angle from one line to another."""
-        return self.dx[one] * self.dy[other] - self.dy[one] * self.dx[other]
-
-    def cosine(self, one: int, other: int) -> float:
-        """Of the angle between two lines."""
-        return self.dx[one] * self.dx[other] + self.dy[one] * self.dy[other]
-
-    def crossing(self, one: int, other: int, time: float) -> tuple[float, float]:
-        """Where two lines cross at a moment."""
-        sine = self.sine(one, other)
-        a = (self.offset[one] + self.speed[one] * time) / sine
-        b = (self.offset[other] + self.speed[other] * time) / sine
-        return a * self.dx[other] - b * self.dx[one], a * self.dy[other] - b * self.dy[one]
-
-    def velocity(self, one: int, other: int) -> tuple[float, float] | None:
-        """How fast the crossing of two lines moves; None where they are parallel.
-
-        Lines of nearly one direction move it along the sum of their normals, which is well known
-        where their sine is not; other lines are solved for.
-        """
-        sine, cosine = self.sine(one, other), self.cosine(one, other)
-        a, b = self.speed[one], self.speed[other]
-        if cosine > 0:
-            mean = (a + b) / 2 / (1 + cosine)
-            part = 0.0 if a == b else (b - a) / 2 * (1 + cosine) / (sine * sine)
-            return (
-                -mean * (self.dy[one] + self.dy[other]) - part * (self.dy[other] - self.dy[one]),
-                mean * (self.dx[one] + self.dx[other]) + part * (self.dx[other] - self.dx[one]),
-            )
-        if sine == 0:
-            return None
-        return (
-            (a * self.dx[other] - b * self.dx[one]) / sine,
-            (a * self.dy[other] - b * self.dy[one]) / sine,
-        )
-
-
-@dataclass(slots=True, eq=False)
-class Corner:
-    """A corner of the wavefront, at (x, y) since `time`: line `before` ends, `after` begins.
-
-    uneven: its lines lie in one, at unequal speeds. number is its place in its region, back and on
-    are its neighbours along the wavefront.
-    """
-
-    node: int
-    before: int
-    after: int
-    x: float
-    y: float
-    time: float
-    vx: float
-    vy: float
-    uneven: bool = False
-    number: int = -1
-    back: Corner = field(init=False, repr=False)
-    on: Corner = field(init=False, repr=False)
-
-    def at(self, time: float) -> tuple[float, float]:
-        """Where the corner is at a moment."""
-        wait = time - self.time
-        return self.x + wait * self.vx, self.y + wait * self.vy
 
 
 @dataclass(slots=True)

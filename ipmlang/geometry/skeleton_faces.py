@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ipmlang.geometry.skeleton_contacts import Lines
-from ipmlang.geometry.skeleton_wavefront import BrokenError, Wavefront
+from ipmlang.geometry.skeleton_lines import BrokenError, Lines
+from ipmlang.geometry.skeleton_wavefront import Wavefront
 from ipmlang.geometry.solid import Floats
 
 SLACK = 4e-10  # how far from its planes a node may be, in units of the polygon's size

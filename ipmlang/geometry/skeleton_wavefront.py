@@ -1,4 +1,4 @@
-"""The wavefront of a polygon: moving lines, the corners where they meet, and one step of it.
+"""The wavefront of a polygon: how it starts, and one step of it.
 
 In go regions (an outline and its holes as linked corners); out come the nodes and the sides of
 faces that the corners draw while they move. A step moves a region to its next moment of contact,
@@ -13,26 +13,18 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from math import atan2, inf
 
-from ipmlang.geometry.skeleton_contacts import Contacts, Corner, Lines, next_contacts
+from ipmlang.geometry.skeleton_contacts import Contacts, next_contacts
+from ipmlang.geometry.skeleton_lines import (
+    BrokenError,
+    Corner,
+    Lines,
+    OpenError,
+    Region,
+    regions_of,
+)
 
 PARALLEL = 1e-12  # sines below this are those of parallel lines
 CLEAR = 1e-3  # lines that cross at a greater sine give a good point
-
-
-class BrokenError(Exception):
-    """The wavefront contradicts itself: try again with other tolerances."""
-
-
-class OpenError(BrokenError):
-    """A part of the polygon is never reached: all that is left around it stands still."""
-
-
-@dataclass(slots=True)
-class Region:
-    """A connected part of what the wavefront has not reached, at a moment."""
-
-    time: float
-    corners: list[Corner]
 
 
 @dataclass(slots=True)
@@ -99,7 +91,7 @@ class Wavefront:
                 self.sides.append((line, first + k, first + follow))
                 _link(chains[k][-1], chains[follow][0])
             corners.extend(corner for chain in chains for corner in chain)
-        return _regions(self.lines, 0.0, corners)
+        return regions_of(self.lines, 0.0, corners)
 
     def step(self, region: Region, limit: float) -> list[Region] | None:
         """What a region becomes at its next contacts, or None where they are after the limit."""
@@ -156,7 +148,7 @@ class Wavefront:
         """The regions of the corners that no contact touched and of new ones between pieces."""
         made = self._link_anew(corners, pieces, nodes)
         alive = [corner for k, corner in enumerate(corners) if k not in places.parent]
-        return _regions(self.lines, time, _without_straight(alive + made))
+        return regions_of(self.lines, time, _without_straight(alive + made))
 
     def _places(self, corners: list[Corner], contacts: Contacts) -> Places:
         places = Places()
@@ -335,64 +327,3 @@ def _without_straight(corners: list[Corner]) -> list[Corner]:
         else:
             kept.append(corner)
     return kept
-
-
-def _regions(lines: Lines, time: float, corners: list[Corner]) -> list[Region]:
-    """The regions that linked corners bound; numbers the corners within them."""
-    loops = loops_of(corners)
-    if len(loops) > 1:
-        left = [_turns_left(lines, loop) for loop in loops]
-        outer = [loop for loop, yes in zip(loops, left, strict=True) if yes]
-        inner = [loop for loop, yes in zip(loops, left, strict=True) if not yes]
-    else:
-        outer, inner = loops, []
-    found = [list(loop) for loop in outer] or [[]]
-    for hole in inner:
-        best = 0
-        if len(outer) > 1:
-            counts = [_count_inside(hole, loop, time) for loop in outer]
-            best = max(range(len(outer)), key=lambda k: (counts[k], -len(outer[k])))
-        found[best].extend(hole)
-    regions = [Region(time, each) for each in found if each]
-    for region in regions:
-        for number, corner in enumerate(region.corners):
-            corner.number = number
-    return regions
-
-
-def loops_of(corners: list[Corner]) -> list[list[Corner]]:
-    """The loops that linked corners form."""
-    for corner in corners:
-        corner.number = -1
-    loops: list[list[Corner]] = []
-    for corner in corners:
-        if corner.number >= 0:
-            continue
-        loop: list[Corner] = []
-        while corner.number < 0:
-            corner.number = len(loop)
-            loop.append(corner)
-            corner = corner.on
-        if corner is not loop[0] or len(loop) < 3:
-            raise BrokenError("the wavefront does not close")
-        loops.append(loop)
-    return loops
-
-
-def _turns_left(lines: Lines, loop: list[Corner]) -> bool:
-    """Whether a loop runs counter-clockwise; directions say so of the smallest loop, too."""
-    pairs = ((corner.before, corner.after) for corner in loop)
-    return sum(atan2(lines.sine(*pair), lines.cosine(*pair)) for pair in pairs) > 0
-
-
-def _count_inside(hole: list[Corner], loop: list[Corner], time: float) -> int:
-    """How many corners of a hole lie within a loop (a ray to the right crosses it oddly)."""
-    points = [corner.at(time) for corner in loop]
-    count = 0
-    for x, y in (corner.at(time) for corner in hole):
-        odd = False
-        for (ax, ay), (bx, by) in zip(points, points[1:] + points[:1], strict=True):
-            if (ay > y) != (by > y) and x < ax + (y - ay) / (by - ay) * (bx - ax):
-                odd = not odd
-        count += odd
-    return count
