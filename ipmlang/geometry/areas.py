@@ -48,6 +48,7 @@ def area_split(polygon: Solid, axis: str, areas: Sequence[float]) -> list[Piece]
     cuts = cuts_of(rings, along, areas)
     whole = shape_of(rings)
     grid = grid_of(whole)
+    known = np.concatenate(rings)
     low, high = rings[0].min(axis=0) - 1, rings[0].max(axis=0) + 1
     found: list[Piece] = []
     for start, end in pairwise(cuts.tolist()):
@@ -57,7 +58,7 @@ def area_split(polygon: Solid, axis: str, areas: Sequence[float]) -> list[Piece]
         corner[along], opposite[along] = start, end
         part = common(whole, shapely.box(*corner, *opposite), grid).item()
         parts = [_on_lines(each, along, (start, end), 4 * grid)
-                 for each in rings_of_shape(part, np.concatenate(rings), grid)]  # fmt: skip
+                 for each in rings_of_shape(part, known, grid)]  # fmt: skip
         if parts:
             found.append(Piece(CUT, closed(parts, plane)))
     return found

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 Shapes = NDArray[np.object_]
 """Shapely geometries."""
+Known = dict[tuple[int, int], list[float]]
+"""Points, by where the grid of an overlay moves them."""
 Rings = list[Floats]
 """One polygon: rings (n, 2), the outline counter-clockwise, then holes clockwise."""
 
@@ -173,37 +175,49 @@ def _only_areas(shapes: Shapes | Shape) -> Shapes:
 _POLYGON, _POLYGONS = 3, 6  # shapely's numbers for kinds of geometry
 
 
-def rings_of_shape(shape: Shape, known: Floats, grid: float) -> list[Rings]:
+def known_points(points: Floats, grid: float) -> Known:
+    """Points (k, 2) by the cell of the grid that each is rounded to."""
+    return {_cell(x, y, grid): [x, y] for x, y in points.tolist()}
+
+
+def rings_of_shape(shape: Shape, points: Floats, grid: float) -> list[Rings]:
+    """As `exact_rings`, with the known points (k, 2) themselves."""
+    return exact_rings(shape, known_points(points, grid), grid)
+
+
+def exact_rings(shape: Shape, known: Known, grid: float) -> list[Rings]:
     """The polygons in an overlay, largest first; what is as thin as the grid falls away.
 
-    Points that were known (k, 2) before they were rounded to the grid are put back; others that
-    stand nearly on those or on straight lines are left out. Rings begin at their lowest, then
-    leftmost point: the same geometry is the same array.
+    Points that were known before they were rounded to the grid are put back; others that stand
+    nearly on those or on straight lines are left out. Rings begin at their lowest, then leftmost
+    point: the same geometry is the same array.
     """
     import shapely
 
-    exact = {_cell(point, grid): point for point in known.tolist()}
     found: list[tuple[float, Rings]] = []
     for part in shapely.get_parts(shapely.get_parts(shape)):
         if part.area <= 4 * grid * part.length:
             continue
         lines = [shapely.get_coordinates(line)[:-1] for line in (part.exterior, *part.interiors)]
-        rings = [ring for ring in (_tidied(line, exact, grid) for line in lines) if len(ring) > 2]
-        if not rings or not shapely.Polygon(rings[0], rings[1:]).is_valid:
+        rings = [ring for ring in (_tidied(line, known, grid) for line in lines) if len(ring) > 2]
+        changed = sum(map(len, rings)) < sum(map(len, lines))
+        if changed and not (rings and shapely.Polygon(rings[0], rings[1:]).is_valid):
             rings = lines  # as they were rounded
         found.append((part.area, [_begun(ring, hole=k > 0) for k, ring in enumerate(rings)]))
     return [rings for _, rings in sorted(found, key=lambda each: (-each[0], *each[1][0][0]))]
 
 
-def _cell(point: Sequence[float], grid: float) -> tuple[int, int]:
-    return round(point[0] / grid), round(point[1] / grid)
+def _cell(x: float, y: float, grid: float) -> tuple[int, int]:
+    return round(x / grid), round(y / grid)
 
 
-def _tidied(ring: Floats, exact: dict[tuple[int, int], list[float]], grid: float) -> Floats:
+def _tidied(ring: Floats, known: Known, grid: float) -> Floats:
     rounded = ring.tolist()
-    back = [exact.get(_cell(point, grid)) for point in rounded]
+    back = [known.get(_cell(x, y, grid)) for x, y in rounded]
     ring = np.array([old or new for old, new in zip(back, rounded, strict=True)])
     ours = np.array([old is None for old in back])
+    if not ours.any():
+        return ring
     for way in (1, -1):
         drop = repeated(ring[::way], 8 * grid)[::way] & ours
         ring, ours = ring[~drop], ours[~drop]
@@ -213,5 +227,6 @@ def _tidied(ring: Floats, exact: dict[tuple[int, int], list[float]], grid: float
 def _begun(ring: Floats, *, hole: bool) -> Floats:
     if (signed_area(ring) > 0) == hole:
         ring = ring[::-1]
-    first = int(np.lexsort((ring[:, 0], ring[:, 1]))[0])
-    return np.roll(ring, -first, axis=0)
+    points = ring.tolist()
+    first = min(range(len(points)), key=lambda place: (points[place][1], points[place][0]))
+    return np.concatenate([ring[first:], ring[:first]])

@@ -19,9 +19,10 @@ from ipmlang.geometry.planar import (
     Rings,
     Shapes,
     common,
+    exact_rings,
     grid_of,
+    known_points,
     rings_area,
-    rings_of_shape,
     shape_of,
     signed_area,
     together,
@@ -188,13 +189,15 @@ def moved_in(
 ) -> Rings | None:
     """The rings moved in by the widths; None where a strip ends early or rings would meet.
 
-    outward: the rings run the other way round, and move away from the polygon.
-    If each strip and the polygon within have simple rings, they turn once around each of their
-    points; their sum turns as often as the outer rings do, so they overlap nowhere and leave no
-    gap. So it is enough to look at each by itself.
+    outward: the rings run the other way round, and move away from the polygon. Why it is enough
+    to look at each strip by itself: claims (see `_claims`) end where the strips do, for equal
+    widths, where nothing juts in, and where neighbours are long enough. If then each strip and
+    the polygon within have simple rings, they turn once around each of their points; their sum
+    turns as often as the outer rings do, so they overlap nowhere and leave no gap.
     """
     ends = ((corners.before[edges.after] - corners.own) * edges.along).sum(axis=1)
-    if (ends <= 0).any() or not _claims_are_plain(edges, widths, corners):
+    plain = not corners.juts.any() or bool((widths == widths[0]).all())
+    if (ends <= 0).any() or not (plain or _held(edges, widths, corners).all()):
         return None
     rings: Rings = []
     begin = 0
@@ -221,13 +224,12 @@ def _doubled(corners: Corners, here: slice) -> Floats:
     return both[keep.reshape(-1)]
 
 
-def _claims_are_plain(edges: Edges, widths: Floats, corners: Corners) -> bool:
-    """Whether each edge's claim (see `_claims`) ends within its own strip or its neighbours'.
+def _held(edges: Edges, widths: Floats, corners: Corners) -> Marks:
+    """Of which edges (n,) the claims (see `_claims`) end, at both ends, where the strips do.
 
-    It does for equal widths, and where nothing juts in; else the neighbours must be long enough.
+    They do where the strip has its full width, and nothing beyond the mitres of its ends lies
+    out of the reach of its neighbours' strips.
     """
-    if not corners.juts.any() or (widths == widths[0]).all():
-        return True
     last = edges.before
     dot = (edges.along * edges.along[last]).sum(axis=1)
     turn = (edges.inward[last] * edges.along).sum(axis=1)
@@ -235,10 +237,12 @@ def _claims_are_plain(edges: Edges, widths: Floats, corners: Corners) -> bool:
         share = np.where(dot >= 0, turn, 1 / turn)
     to_own = ((corners.own - edges.start) * edges.along).sum(axis=1)
     to_last = -((corners.before - edges.start) * edges.along[last]).sum(axis=1)
-    held = corners.juts | corners.apart  # the claims end on one line
-    at_start = np.where(held, 0.0, np.maximum(to_own, widths[last] * share))
-    at_end = np.where(held, 0.0, np.maximum(to_last, widths * share))[edges.after]
-    return bool((at_start + at_end <= edges.length).all())
+    shared = corners.juts | corners.apart  # claims end on one line
+    at_start = np.where(shared, 0.0, np.maximum(to_own, widths[last] * share))
+    at_end = np.where(shared, 0.0, np.maximum(to_last, widths * share))[edges.after]
+    full = ((corners.before[edges.after] - corners.own) * edges.along).sum(axis=1) > 0
+    found: Marks = full & (at_start + at_end <= edges.length)
+    return found
 
 
 def _plain(edges: Edges, widths: Floats, corners: Corners) -> list[list[Rings]]:
@@ -266,13 +270,14 @@ def _claimed(rings: Rings, edges: Edges, widths: Floats, corners: Corners) -> St
     claims, numbers = _claims(shape, edges, widths, corners)
     grid = grid_of(shape)
     rest = without(shape, together(claims, grid), grid).item()
-    known = np.concatenate([edges.start, corners.before, corners.middle, corners.own])
+    points = np.concatenate([edges.start, corners.before, corners.middle, corners.own])
+    known = known_points(points, grid)
     strips: list[list[Rings]] = [[] for _ in widths]
     for number, cell in zip(
         numbers, _shared_out(claims, numbers, edges, widths, grid), strict=True
     ):
-        strips[int(number)] = rings_of_shape(cell, known, grid)
-    return Strips(rings_of_shape(rest, known, grid), strips)
+        strips[int(number)] = exact_rings(cell, known, grid)
+    return Strips(exact_rings(rest, known, grid), strips)
 
 
 def claims_of(shape: Shape, edges: Edges, widths: Floats, corners: Corners) -> Shape:
@@ -304,10 +309,12 @@ def _reach(edges: Edges, widths: Floats, corners: Corners) -> Floats:
     """The outlines (n, 6, 2) of what edges may claim; points stand twice where nothing is cut."""
     over = edges.inward * widths[:, None]
     first, final = corners.own, corners.before[edges.after]
+    held = _held(edges, widths, corners)
+    free = ~(corners.apart | (held & held[edges.before]))
     inside = ((first - edges.start) * edges.along).sum(axis=1) > 0
-    first = np.where((inside & ~corners.apart)[:, None], edges.start + over, first)
+    first = np.where((inside & free)[:, None], edges.start + over, first)
     inside = ((final - edges.end) * edges.along).sum(axis=1) < 0
-    final = np.where((inside & ~corners.apart[edges.after])[:, None], edges.end + over, final)
+    final = np.where((inside & free[edges.after])[:, None], edges.end + over, final)
     long = corners.long[:, None]
     at_start = np.where(long, corners.middle, edges.start)
     at_end = np.where(long[edges.after], corners.middle[edges.after], edges.end)
