@@ -11,9 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ipmlang.formats.mesh_types import MeshScene
-from ipmlang.geometry.solid import polygon
+from ipmlang.geometry.solid import polygon, solid_of
 from ipmlang.runtime.export.models import mesh_scene_of, unit_cube, unit_square
-from ipmlang.runtime.export.uv import Copies, laid, on_sides
+from ipmlang.runtime.export.sides import in_tiles, on_sides
+from ipmlang.runtime.export.solids import solid_mesh
+from ipmlang.runtime.export.uv import Copies, laid
 from ipmlang.runtime.laying import Laying, LayingError
 from ipmlang.runtime.scene import SCOPE, SOLID, PenStyle, Scene
 from tests.formats.built import png, scene, table
@@ -70,7 +72,7 @@ def test_each_side_of_a_box_shows_the_image_upright(
 ) -> None:
     """From its lower left, seen from outside, to its upper right; never mirrored."""
     cube = unit_cube()
-    uv, _ = on_sides(cube)
+    uv = on_sides(cube)
     corners = cube.corners.reshape(6, 4)
     points = cube.vertices[corners]
     normals = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
@@ -88,7 +90,7 @@ def test_rectangles_face_right_front_or_up(axis: int) -> None:
     square = unit_square(axis)
     a, b, c = square.vertices[square.corners[:3]]
     assert np.cross(b - a, c - a).tolist() == [[1, 0, 0], [0, -1, 0], [0, 0, 1]][axis]
-    uv, _ = on_sides(square)
+    uv = on_sides(square)
     assert uv.tolist() == np.delete(square.vertices[square.corners], axis, axis=1).tolist()
 
 
@@ -116,6 +118,18 @@ def test_tiles_have_a_size_on_every_side(image: Path) -> None:
     assert sorted({tuple(each) for each in uv[0].tolist()} - {(0, 0)}) == [
         (0, 4), (0, 6), (0.5, 0), (0.5, 4), (0.5, 6), (1, 0), (1, 6)]  # fmt: skip
     assert uv[2].max(axis=0).tolist() == [2, 2]
+
+
+def test_slopes_count_along_themselves() -> None:
+    """Level to the right, up the slope in its own length, from the eaves; upright sides as ever."""
+    vertices = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0.5, 1), (1, 0.5, 1)]
+    faces = [[[0, 1, 5, 4]], [[2, 3, 4, 5]], [[0, 4, 3]], [[1, 2, 5]], [[0, 3, 2, 1]]]
+    mesh = solid_mesh(solid_of(vertices, faces))
+    uv = in_tiles(mesh, np.array([10.0, 8.0, 3.0]))
+    # Half of 8 along and 3 up: the slope is 5 long.
+    assert uv[:8].round(9).tolist() == [
+        [0, 0], [10, 0], [10, 5], [0, 5], [0, 0], [10, 0], [10, 5], [0, 5]]  # fmt: skip
+    assert uv[8:14].round(9).tolist() == [[8, 0], [4, 3], [0, 0], [0, 0], [8, 0], [4, 3]]
 
 
 def test_a_projection_goes_on_over_the_parts(image: Path) -> None:

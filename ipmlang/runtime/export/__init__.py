@@ -12,6 +12,7 @@ from pathlib import Path
 from ipmlang.compiler.diagnostics import fail, nearest
 from ipmlang.formats import FormatError
 from ipmlang.formats.atomic import Content, write_files
+from ipmlang.formats.drawing import Note
 from ipmlang.runtime.scene import Scene
 
 __all__ = ["SUFFIXES", "check_output", "save"]
@@ -39,8 +40,9 @@ def check_output(path: Path | str) -> None:
         )
 
 
-def save(scene: Scene, path: Path | str, *, instancing: bool = False) -> None:
-    """Write a scene to `path`; its suffix says how.
+def save(scene: Scene, path: Path | str, *, instancing: bool = False) -> tuple[str, ...]:
+    """Write a scene to `path`; its suffix says how. Gives a sentence for each thing that assets of
+    a model hold and that was left out.
 
     `instancing`: let a glb use EXT_mesh_gpu_instancing, which is smaller but which fewer programs
     read. Raises `IpmError` for an unknown suffix, a scene that the format cannot hold, an asset
@@ -49,13 +51,21 @@ def save(scene: Scene, path: Path | str, *, instancing: bool = False) -> None:
     path = Path(path)
     check_output(path)
     try:
-        write_files(_contents(scene, path, instancing))
+        contents, notes = _contents(scene, path, instancing)
+        write_files(contents)
     except FormatError as error:
         raise fail("cannot-write", error.message, hint=error.hint) from error
+    return tuple(_sentence(note) for note in notes)
 
 
-def _contents(scene: Scene, path: Path, instancing: bool) -> Mapping[Path, Content]:
-    """The files of the result, by path."""
+def _sentence(note: Note) -> str:
+    return note.message + (f" ({note.count:,})" if note.count > 1 else "")
+
+
+def _contents(
+    scene: Scene, path: Path, instancing: bool
+) -> tuple[Mapping[Path, Content], tuple[Note, ...]]:
+    """The files of the result, by path, and notes on the assets of a model."""
     suffix = path.suffix.lower()
     if suffix in (".svg", ".png"):
         from ipmlang.runtime.export.sheet import drawing_of
@@ -64,11 +74,12 @@ def _contents(scene: Scene, path: Path, instancing: bool) -> Mapping[Path, Conte
         if suffix == ".svg":
             from ipmlang.formats.svg.write import write_svg
 
-            return {path: write_svg(drawing)}
+            return {path: write_svg(drawing)}, ()
         from ipmlang.formats.png import png_bytes
 
-        return {path: png_bytes(drawing)}
+        return {path: png_bytes(drawing)}, ()
     from ipmlang.formats.mesh import mesh_contents
     from ipmlang.runtime.export.models import mesh_scene_of
 
-    return mesh_contents(mesh_scene_of(scene), path, up=scene.up, instancing=instancing)
+    model = mesh_scene_of(scene)
+    return mesh_contents(model, path, up=scene.up, instancing=instancing), model.notes

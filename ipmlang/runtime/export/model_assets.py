@@ -48,4 +48,8 @@ def _read(path: Path, assets: list[AssetRef]) -> list[tuple[Mesh, tuple[Note, ..
     except FormatError as error:
         place = f"{path.name}:{error.line}" if error.line else path.name
         raise fail("bad-asset", f"{place}: {error.message}", hint=error.hint) from error
-    return [(baked(scene), scene.notes) for scene in found]
+    return [(baked(scene), tuple(_of_file(path, note) for note in scene.notes)) for scene in found]
+
+
+def _of_file(path: Path, note: Note) -> Note:
+    return Note(note.code, f"{path.name}: {note.message}", note.count)

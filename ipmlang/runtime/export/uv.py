@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ipmlang.formats.mesh_types import Mesh
 from ipmlang.runtime.export.placing import rotation_matrices
+from ipmlang.runtime.export.sides import in_tiles, on_sides
 from ipmlang.runtime.scene import TextureMaps
 
 Floats = NDArray[np.float64]
@@ -22,12 +23,6 @@ Rows = NDArray[np.intp]
 
 _NEAR = 1e6  # texture coordinates that differ by less than a millionth are the same
 _WHOLE = np.eye(2, 3)
-
-# Of the six sides of a box, seen from outside: the axes of u and v, and whether u or v runs back.
-# By the axis of the normal, for the side that faces down it and the one that faces up.
-_SIDES = np.array(
-    [[[1, 2, 1, 0], [1, 2, 0, 0]], [[0, 2, 0, 0], [0, 2, 1, 0]], [[0, 1, 0, 1], [0, 1, 0, 0]]]
-)
 
 
 @dataclass(slots=True, eq=False)
@@ -106,15 +101,17 @@ def _fitted(mesh: Mesh, matrix: Floats, way: Indices, maps: TextureMaps | None) 
         np.ptp(mesh.vertices[mesh.corners], axis=0) if len(mesh.corners) else np.zeros(3)
     )
     tiled = ~np.isnan(tile[:, 0]) & (not has_own)
-    lengths[~tiled], tile[~tiled] = 1.0, 1.0
+    lengths[~tiled], tile[~tiled] = 0.0, 0.0  # which then make no difference
     key = np.concatenate([lengths, tile, change.reshape(-1, 6)], axis=1)
     first, which = _distinct(np.rint(key * _NEAR))
-    base, axes = (mesh.uv, None) if has_own else on_sides(mesh)
-    assert base is not None
     made = []
     for row in first.tolist():
-        factors = 1.0 if axes is None else lengths[row][axes] / tile[row]
-        uv = (base * factors) @ change[row][:, :2].T + change[row][:, 2]
+        if has_own or not tiled[row]:
+            base = mesh.uv if has_own else on_sides(mesh)
+        else:
+            base = in_tiles(mesh, lengths[row]) / tile[row]
+        assert base is not None
+        uv = base @ change[row][:, :2].T + change[row][:, 2]
         made.append(replace(mesh, uv=uv))
     return made, which
 
@@ -125,27 +122,3 @@ def _distinct(key: Floats) -> tuple[Rows, Indices]:
         return np.arange(min(len(key), 1)), np.zeros(len(key), np.int64)
     _, first, which = np.unique(key + 0.0, axis=0, return_index=True, return_inverse=True)
     return first, which.reshape(-1).astype(np.int64)
-
-
-def on_sides(mesh: Mesh) -> tuple[Floats, Indices]:
-    """Coordinates (c, 2) of corners on the sides of the mesh's box, and the axes (c, 2) that u and
-    v go along there. Each side is 0 to 1 from its lower left, seen from outside; a face belongs to
-    the side that it faces most.
-    """
-    if not len(mesh.corners):
-        return np.zeros((0, 2)), np.zeros((0, 2), np.int64)
-    points = mesh.vertices[mesh.corners]
-    low, high = points.min(axis=0), points.max(axis=0)
-    extent = high - low
-    points = (points - low) / np.where(extent > 0, extent, 1.0)
-    begins = mesh.offsets[:-1]
-    counts = np.diff(mesh.offsets)
-    after = np.arange(1, len(points) + 1)
-    after[mesh.offsets[1:] - 1] = begins
-    first = np.repeat(points[begins], counts, axis=0)
-    normal = np.add.reduceat(np.cross(points - first, points[after] - first), begins, axis=0)
-    axis = np.argmax(np.abs(normal), axis=1)
-    up = np.take_along_axis(normal, axis[:, None], axis=1)[:, 0] >= 0
-    sides = np.repeat(_SIDES[axis, up.astype(np.int64)], counts, axis=0)
-    found = np.take_along_axis(points, sides[:, :2], axis=1)
-    return np.where(sides[:, 2:] == 1, 1.0 - found, found), sides[:, :2]
