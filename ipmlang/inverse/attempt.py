@@ -35,6 +35,7 @@ from ipmlang.inverse.options import USUAL, Options
 from ipmlang.inverse.prove import prove
 from ipmlang.inverse.recursive_file import write_recursion
 from ipmlang.inverse.report import Report, RuleError
+from ipmlang.inverse.shared_places import share_places
 from ipmlang.inverse.simplify import AXIOM, Book, drop_poor_rules, make_book, recentre
 from ipmlang.inverse.tapers import complete_tapers
 from ipmlang.inverse.terminals import Instanced, grouped, instances
@@ -261,6 +262,7 @@ def _simplified(instanced: Instanced, string: Arrangement, options: Options) -> 
     complete_tapers(book, instanced.alphabet)
     make_upright(book, instanced.alphabet)
     recentre(book)
+    share_places(book, instanced.alphabet)
     settle_terminals(book, instanced.alphabet)
     return book
 

@@ -20,12 +20,12 @@ from ipmlang.inverse.naming import Names
 from ipmlang.inverse.numbers import ROOM, linear, number, settled, shortest
 from ipmlang.inverse.reach import Reach
 from ipmlang.inverse.recursion import branching_rules
+from ipmlang.inverse.score import TABLE_ROWS
 from ipmlang.inverse.simplify import AXIOM, Body, Book, Loop
 from ipmlang.inverse.tapers import Taper, taper_at
 from ipmlang.inverse.wording import Wording, plain_row, worded, worded_lattice
 
 LABELS = ("x", "y", "angle", "scale")
-TABLE_ROWS = 8  # fewer placements of one symbol are written out
 VARIABLES = ("i", "j", "k")  # of sequences in sequences
 LIFTED = 4  # of how many sequences the counts and steps become attributes,
 LEAST_LIFTED = 4  # copies that are worth an attribute

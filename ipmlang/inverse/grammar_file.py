@@ -22,6 +22,7 @@ from ipmlang.formats.svg import table_xml
 from ipmlang.formats.svg.parts import write_parts
 from ipmlang.inverse.build import Builder, Painted
 from ipmlang.inverse.coats import merged_styles
+from ipmlang.inverse.joined_tables import join_tables
 from ipmlang.inverse.lsystem.patterns import Pattern
 from ipmlang.inverse.naming import (
     Names,
@@ -34,13 +35,13 @@ from ipmlang.inverse.naming import (
 from ipmlang.inverse.numbers import number as literal
 from ipmlang.inverse.observation import Observation
 from ipmlang.inverse.reach import measure
+from ipmlang.inverse.score import INLINE_ROWS
 from ipmlang.inverse.simplify import AXIOM, Book
 from ipmlang.inverse.terminals import Instanced, asset_element
 from ipmlang.inverse.wording import arrangement, plain_row
 
 _STRING = re.compile(r'"(?:[^"\\\n]|\\[^\n])*"|//[^\n]*')
 _NUMBER = re.compile(r"(?<![\w.])[0-9]+(?:\.[0-9]+)?")
-INLINE_ROWS = 24  # a longer table goes to the parts file
 SHARE = 1e-8  # of the diagonal: what one rounded number may move a point by
 
 
@@ -110,9 +111,9 @@ def write_grammar(book: Book, subject: Subject) -> Written:
     radius = {k: float(alphabet[k].radius) for k in (*range(len(terminals)), *book.anchored)}
     reach = measure(book, radius, subject.share * subject.observed.diagonal)
     builder = Builder(book, reach, named, effects, names, axiom, painted, subject.use_tables)
-    rules = builder.rules()
+    rules, placed = join_tables(builder.rules(), builder.tables)
     order = _order_table(book, names)
-    tables, stored, cells = stored_tables([*builder.tables, *order], subject)
+    tables, stored, cells = stored_tables([*placed, *order], subject)
     items: list[ast.Item] = [ast.Version(1), *canvas(subject.observed)]
     assets = [number for number in named if number < len(terminals)]
     if assets:

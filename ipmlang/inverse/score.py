@@ -6,10 +6,12 @@ sign, a mark or a bracket is one token. Nothing here prints or searches.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
-from ipmlang.inverse.lsystem.frames import Frames
+from ipmlang.inverse.lsystem.frames import Floats, Frames
 from ipmlang.inverse.lsystem.patterns import Pattern
 from ipmlang.inverse.recursion.branching import Branching
 
@@ -19,6 +21,10 @@ SMALL = 1e-9  # degrees or ratio: what is printed as nothing at all
 HEAD = 2  # `Name -->`
 COUNTED = 3  # `(n)` on a use, and as much again on the head
 LOOP = 9  # `repeat(i < n) { … }`
+TABLE_ROWS = 8  # fewer placements of one symbol are written out
+INLINE_ROWS = 24  # a longer table goes to the parts file
+AROUND = 6  # `[at(…) A]` about the numbers of a placement
+TABLE = 23  # `table T(x, y) =` and `repeat(r in T) { [at(r.x, r.y) A] }`
 
 
 def placement_tokens(placed: Frames, small: float) -> Integers:
@@ -43,6 +49,66 @@ def placement_tokens(placed: Frames, small: float) -> Integers:
 def _sized(value: NDArray[np.float64], small: float) -> Integers:
     """Tokens of a number: 2 with a sign."""
     return np.where(value < -small, 2, 1).astype(np.int64)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tabled:
+    """Tokens of n placements as they are printed without any rule.
+
+    alone: (n,) each by itself; total, spared: (n + 1,) sums, before each row, of those tokens and
+    of what long runs of one symbol spare as rows of a table; begin, end: (n,) rows where the run of
+    each begins and ends.
+    """
+
+    alone: Integers
+    total: Floats
+    spared: Floats
+    begin: Integers
+    end: Integers
+
+    @property
+    def needed(self) -> float:
+        """Tokens of all."""
+        return float(self.total[-1] - self.spared[-1])
+
+    def saved(self, rows: Integers, counts: Integers) -> float:
+        """Tokens of `counts` neighbours from each of the rows (k,) on, rising, which a rule takes
+        out, less what the tables that it tears apart spared.
+        """
+        after = rows + counts
+        parts = self.total[after] - self.total[rows] - self.spared[after] + self.spared[rows]
+        other = self.begin[rows[1:]] != self.begin[rows[:-1]]
+        first = np.concatenate([[True], other])
+        from_row = np.where(first, self.begin[rows], np.roll(after, 1))
+        last = np.concatenate([other, [True]])
+        torn = self._torn(from_row, rows) + self._torn(after, np.where(last, self.end[rows], after))
+        return float(parts.sum() - torn)
+
+    def _torn(self, begin: Integers, end: Integers) -> float:
+        """What is no longer spared in pieces that are too short for a table."""
+        short = (end > begin) & (end - begin < TABLE_ROWS)
+        return float((self.spared[end[short]] - self.spared[begin[short]]).sum())
+
+
+def tabled(placed: Frames, other: NDArray[np.bool_], small: float) -> Tabled:
+    """What placements take; other: (n - 1,) where the next one cannot be in the same table.
+
+    A row of a table takes its share of what the table itself takes.
+
+    >>> from ipmlang.inverse.lsystem.frames import frames
+    >>> cost = tabled(frames(np.full(23, 3 + 4j)), np.zeros(22, np.bool_), 1e-9)
+    >>> cost.saved(np.array([0]), np.array([23])), cost.saved(np.array([4]), np.array([15]))
+    (115.0, 51.0)
+    """
+    alone = placement_tokens(placed, small)
+    starts = np.flatnonzero(np.concatenate([[True], other])[: len(alone)])
+    sizes = np.diff(np.append(starts, len(alone)))
+    row = AROUND - 2 * (sizes <= INLINE_ROWS)
+    share = np.where(sizes >= TABLE_ROWS, np.maximum(row - TABLE / sizes, 0.0), 0.0)
+    spared = np.minimum(np.repeat(share, sizes), alone - 1.0)
+    total, less = (np.concatenate([[0.0], np.cumsum(each)]) for each in (alone, spared))
+    begin = np.repeat(starts, sizes)
+    return Tabled(alone, total, less, begin, begin + np.repeat(sizes, sizes))
 
 
 def sequence_tokens(pattern: Pattern) -> int:

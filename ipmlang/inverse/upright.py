@@ -132,7 +132,9 @@ def _turn_terminals(book: Book, alphabet: Alphabet) -> None:
     slanted in the drawing may be plain in its own rule. What is named outside of rules stays.
     """
     outside = {int(part) for rule in book.written_once() for part in book.bodies[rule].parts}
-    for part in sorted(part for part in book.uses() if alphabet[part].terminal):
+    # What is named once takes its whole place into its asset, see `settle_terminals`.
+    often = (part for part, count in book.uses().items() if count > 1)
+    for part in sorted(part for part in often if alphabet[part].terminal):
         if part in outside or part in book.assets or in_loop(book, part):
             continue
         uses = join([body.places[naming(book, body, part)] for body in book.bodies.values()])
@@ -151,10 +153,14 @@ def settle_terminals(book: Book, alphabet: Alphabet) -> None:
     used = book.uses()
     for rule in sorted(book.bodies.keys() - book.written_once()):
         body = book.bodies[rule]
-        for row, part in enumerate(body.parts.tolist()):
-            once = used[part] == 1 and alphabet[part].terminal
-            if once and placement_tokens(book.bodies[rule].places[row : row + 1], 0.0)[0] > 1:
-                regauge(book, part, inverse(book.bodies[rule].places[row : row + 1]))
+        moved = placement_tokens(body.places, 0.0) > 1
+        once = [used[part] == 1 and alphabet[part].terminal for part in body.parts.tolist()]
+        rows = np.flatnonzero(moved & np.array(once))
+        for row in rows.tolist():
+            part = int(body.parts[row])
+            own = book.assets.get(part, identity(1))
+            book.assets[part] = compose(body.places[row : row + 1], own)
+        body.places = replaced(body.places, rows, identity(len(rows)))
 
 
 def _cost(book: Book, alphabet: Alphabet, rule: int, uses: Frames, change: Frames) -> int:

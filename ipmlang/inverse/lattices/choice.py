@@ -18,13 +18,13 @@ from ipmlang.inverse.lattices.find import find_lattices
 from ipmlang.inverse.lattices.formula import LatticeRule, lattice_rule
 from ipmlang.inverse.lsystem.frames import Floats, Frames, compose, inverse
 from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers, joined
+from ipmlang.inverse.score import TABLE_ROWS
 
 LEAST = 4  # placements of one symbol among which anything is looked for
 NOISE = 0.015  # of the step: what members may be off and still belong
 ROUNDS = 4  # of looking again at what is left of one symbol
 RULE = 34.0  # tokens of a lattice's rule, usually
 DIGITS = 4.0  # of a number that weighs as much as another token
-TABLE = 8  # placements of one symbol in a row that stand in a table
 
 
 Memory: TypeAlias = "dict[bytes, list[Lattice]]"
@@ -141,7 +141,7 @@ def _in_tables(string: Arrangement) -> NDArray[np.bool_]:
     """(n,) rows in runs of one symbol that are long enough for a table."""
     edges = np.flatnonzero(np.diff(string.symbol, prepend=-1, append=-1))
     sizes = np.diff(edges)
-    return np.repeat(sizes >= TABLE, sizes)
+    return np.repeat(sizes >= TABLE_ROWS, sizes)
 
 
 def _gain(

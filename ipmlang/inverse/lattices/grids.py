@@ -19,6 +19,7 @@ from ipmlang.inverse.lattices.nets import Fit, Net, presented, unstaggered
 from ipmlang.inverse.lsystem.frames import Complexes, Floats
 
 ATTEMPTS = 200
+BARREN = 40  # attempts in a row without a grid: seeds come best first, so the rest is hopeless
 SLACK = 4.0  # times the noise that a prediction from a seed may be off
 CELL = 0.04  # relative size of the cells in which steps are counted
 COMMON = 0.1  # of all points: steps so frequent are tried first
@@ -48,16 +49,17 @@ def find_nets(known: Cloud, used: Mask, share: float) -> list[Net]:
     """Grids of points not `used` (n,), which mark what they take; share 0 asks for exact places."""
     found: list[Net] = []
     for seeds, tests in _seedings(known, used, share):
-        left = ATTEMPTS
+        left, patience = ATTEMPTS, BARREN
         for seed in seeds:
-            if left == 0:
+            if left == 0 or patience == 0:
                 break
             if used[seed.rows].any():
                 continue
-            left -= 1
+            left, patience = left - 1, patience - 1
             net = _grown(known, seed, used, share)
             if net is None or not _believable(known, net, tests):
                 continue
+            patience = BARREN
             for finer in FINER[0 if share == 0 else 1 :]:
                 net = _noisier(known, net, used, tests, finer)
             used[net.rows] = True

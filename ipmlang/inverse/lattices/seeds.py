@@ -21,6 +21,7 @@ from ipmlang.inverse.lattices.models import TERMS, Kind, at, spacing, start
 from ipmlang.inverse.lsystem.frames import Complexes
 
 ATTEMPTS = 120  # seeds grown in one search
+BARREN = 15  # of them in a row that give nothing: seeds come best first, so the rest is hopeless
 SLACK = 4.0  # times the noise that a prediction from a seed may be off
 TRIPLES = 80_000  # seeds of what bends
 SMOOTH, SHARP = 75.0, 125.0  # degrees between steps of noisy and of exact chains
@@ -40,19 +41,22 @@ class Seeds:
     tests: float
     used: Mask
     tried: set[tuple[int, int]] = field(default_factory=set)
+    patience: int = BARREN
 
     def fresh(self) -> Iterator[tuple[Integers, Integers]]:
         """Index and rows of the members of each seed not yet part of what was grown."""
         left = ATTEMPTS
         for seed in self.rows:
+            if left == 0 or self.patience == 0:
+                break
             index = np.flatnonzero(seed >= 0)
             _, once = np.unique(seed[index], return_index=True)
             index = index[np.sort(once)]  # a small ring is gone around more than once
             rows = seed[index]
             pairs = set(pairwise(rows.tolist()))
-            if pairs <= self.tried or self.used[rows].sum() > 1 or left == 0:
+            if pairs <= self.tried or self.used[rows].sum() > 1:
                 continue
-            left -= 1
+            left, self.patience = left - 1, self.patience - 1
             yield index, rows
             self.tried |= pairs | {(b, a) for a, b in pairs}
 
@@ -77,6 +81,7 @@ def find_rows(known: Cloud, used: Mask, share: float) -> list[Chain]:
             chain = _denser(known, bolder(known, chain, used, seeds.tests), used, seeds.tests)
             used[chain.rows] = True
             found.append(chain)
+            seeds.patience = BARREN
     return found
 
 
@@ -168,6 +173,7 @@ def find_bends(known: Cloud, used: Mask, share: float, line: Integers) -> list[C
             best = _denser(known, best, used, seeds.tests)
             used[best.rows] = True
             found.append(best)
+            seeds.patience = BARREN
     return found
 
 

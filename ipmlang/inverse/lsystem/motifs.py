@@ -26,7 +26,7 @@ from ipmlang.inverse.lsystem.frames import (
 )
 from ipmlang.inverse.lsystem.repeats import apart, find_repeats
 from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers
-from ipmlang.inverse.score import HEAD, placement_tokens
+from ipmlang.inverse.score import HEAD, Tabled, tabled
 
 MOST = 6  # stretches of one order of magnitude that are looked at closely
 SNAP = 1e-7  # relative: a fitted turn or size this close to a plain one may be the plain one
@@ -41,19 +41,22 @@ class Motif:
     length: int
 
 
-def find_motifs(arrangement: Arrangement, labels: Integers, small: float) -> list[Motif]:
-    """Stretches of three symbols or more; labels: (n - 1,) equal for equal steps; small: units."""
-    cost = placement_tokens(arrangement.placed, small).astype(np.float64)
-    total = np.concatenate([[0.0], np.cumsum(cost)])
+def find_motifs(
+    arrangement: Arrangement, labels: Integers, cost: Tabled, small: float
+) -> list[Motif]:
+    """Stretches of three symbols or more; labels: (n - 1,) equal for equal steps; cost: of the
+    arrangement; small: units.
+    """
     found = []
-    for repeat in find_repeats(labels, cost[1:], MOST):
+    for repeat in find_repeats(labels, cost.alone[1:].astype(np.float64), MOST):
         length = repeat.length + 1
         rows = apart(repeat.places, length)
         if length < 3 or len(rows) < 2:
             continue
-        saved = float((total[rows + length] - total[rows] - cost[rows]).sum())
+        saved = cost.saved(rows, np.full(len(rows), length)) - float(cost.alone[rows].sum())
         inside = relative_places(arrangement.placed, int(rows[0]), length)
-        gain = saved - HEAD - float(placement_tokens(inside, small).sum())
+        other = np.diff(cost.begin[rows[0] : rows[0] + length]) != 0
+        gain = saved - HEAD - tabled(inside, other, small).needed
         if gain >= 1.0:
             found.append(Motif(gain, rows, length))
     return found

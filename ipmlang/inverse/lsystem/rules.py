@@ -46,13 +46,16 @@ from ipmlang.inverse.score import (
     COUNTED,
     HEAD,
     LOOP,
+    Tabled,
     placement_tokens,
     sequence_tokens,
+    tabled,
     tree_tokens,
 )
 
 NESTED = 4  # tokens saved where a row of rows is written as one rule
 ROUNDS = 400  # a bound that no drawing should reach: each round makes the string shorter
+MANY = 1e6  # tokens that no rule saves: a gain over this only decides between equal ones
 SHARE = 0.5  # a round takes candidates that save at least this share of the best one
 
 
@@ -195,7 +198,8 @@ class Search:
         return pairs, cluster(pairs.spaces, values, slack), cluster(pairs.spaces, values, loose)
 
     def _pairs(self, pairs: Pairs, labels: Integers, least: float = 1.0) -> list[Candidate]:
-        cost = placement_tokens(self.string.placed, self.alphabet.tolerance)
+        # What a table could hold is cheap: a few pairs in it by chance are not worth a rule.
+        cost = self._tabled()
         found = []
         for rows in members(labels, 2):
             rows = apart(pairs.first, rows)
@@ -203,13 +207,19 @@ class Search:
                 continue
             step = _middle(pairs, rows)
             first = pairs.first[rows]
-            saved = cost[first] + cost[first + 1]
-            left = placement_tokens(pairs.lead[rows], self.alphabet.tolerance)
+            left = placement_tokens(pairs.lead[rows], self.alphabet.tolerance).sum()
             rule = HEAD + 1 + int(placement_tokens(step, self.alphabet.tolerance)[0])
-            gain = float((saved - left).sum() - rule)
+            gain = cost.saved(first, np.full(len(first), 2)) - float(left + rule)
             if gain >= least:
                 found.append(Candidate(gain, int(first[0]), first, pairs.lead[rows], step))
         return found
+
+    def _tabled(self) -> Tabled:
+        """What the string takes if no more rules are made: a table holds one symbol and hand."""
+        string = self.string
+        kinds = (string.symbol, string.wrap, string.placed.handedness)
+        other = np.any([np.diff(each) != 0 for each in kinds], axis=0)
+        return tabled(string.placed, other, self.alphabet.tolerance)
 
     def _lone_pairs(self) -> list[Candidate]:
         """Every two neighbours, whatever their step."""
@@ -247,7 +257,7 @@ class Search:
         steps[pairs.first] = labels
         return [
             Candidate(each.gain, int(each.rows[0]), each.rows, identity(0), motif=each)
-            for each in find_motifs(self.string, steps, self.alphabet.tolerance)
+            for each in find_motifs(self.string, steps, self._tabled(), self.alphabet.tolerance)
         ]
 
     def _take_motif(self, motif: Motif, edit: Edit) -> Outcome:
@@ -309,23 +319,24 @@ class Search:
         if not runs:
             return []
         labels = self._run_clusters(runs)
-        cost = placement_tokens(self.string.placed, self.alphabet.tolerance)
-        total = np.concatenate([[0], np.cumsum(cost)])
+        cost = self._tabled()
         found = []
         for rows in members(labels, 1):
             same = [runs[row] for row in rows.tolist()]
             counted = COUNTED if len({run.count for run in same}) > 1 else 0
-            saved = sum(int(total[run.first + run.count] - total[run.first]) for run in same)
-            left = int(
-                placement_tokens(join([run.lead for run in same]), self.alphabet.tolerance).sum()
-            )
+            lead = join([run.lead for run in same])
+            firsts = np.array([run.first for run in same], np.int64)
+            counts = np.array([run.count for run in same], np.int64)
+            saved = float((cost.total[firsts + counts] - cost.total[firsts]).sum())
+            left = int(placement_tokens(lead, self.alphabet.tolerance).sum())
             rule = HEAD + counted + sequence_tokens(same[0].pattern)
             if self.alphabet[int(self.string.symbol[same[0].first])].pattern is not None:
                 rule -= NESTED
             gain = float(saved - left - counted * len(same) - rule)
             if gain >= 1.0:
-                firsts = np.array([run.first for run in same], np.int64)
-                lead = join([run.lead for run in same])
+                # A row says more than rows of a table: where it is no shorter, it comes last.
+                spared = saved - cost.saved(firsts, counts)
+                gain = max(1.0 + gain / MANY, gain - spared)
                 found.append(Candidate(gain, int(firsts[0]), firsts, lead, None, tuple(same)))
         return found
 
@@ -364,6 +375,10 @@ class Search:
         return (*pattern.label, tuple(round(step / grid) for step in pattern.steps))
 
     def _take_runs(self, candidate: Candidate, edit: Edit) -> Outcome:
+        free = [run for run in candidate.runs if edit.clear(np.array([run.first]), run.count)[0]]
+        # Where others took most, what is left is weighed again in the next round.
+        if 2 * sum(run.count for run in free) < sum(run.count for run in candidate.runs):
+            return "overlaps"
         family = -1
         outcome: Outcome = "overlaps"
         pattern = _shared_pattern([run.pattern for run in candidate.runs])
