@@ -77,7 +77,7 @@ def skeleton_of(rings: list[Ring], speeds: Sequence[float]) -> Skeleton:
         try:
             return _solved(problem, reach, change)
         except BrokenError as failure:
-            open_ended = isinstance(failure, OpenError)
+            open_ended = isinstance(failure, OpenError) and min(speeds) == 0
     if open_ended:
         raise GeometryError(
             "upright edges enclose a part of the polygon", "give more of its edges a slope"

@@ -119,16 +119,25 @@ def _check_crossings(rings: list[Ring], slack: float) -> None:
         raise GeometryError(
             "the polygon crosses itself", "its outline and its holes must not cross"
         )
+    if len(rings) == 1:
+        return
     for hole in rings[1:]:
         if not mostly_inside(hole.points, rings[0].points):
             raise GeometryError("a hole lies outside the polygon's outline")
+    low = np.array([ring.points.min(axis=0) for ring in rings])
+    high = np.array([ring.points.max(axis=0) for ring in rings])
+    around = (low[:, None] <= low).all(axis=2) & (high[:, None] >= high).all(axis=2)
+    for outer, inner in np.argwhere(around).tolist():
+        if outer > 0 and outer != inner and mostly_inside(rings[inner].points, rings[outer].points):
+            raise GeometryError("a hole of the polygon lies within another")
 
 
 def mostly_inside(ring: Floats, outline: Floats) -> bool:
-    """Whether at least half the corners of a ring (n, 2) lie within another."""
+    """Whether half of a ring (n, 2) or more lies within another, by its corners and midpoints."""
     a, b = outline, following(outline)
-    x, y = ring[:, 0, None], ring[:, 1, None]
+    tested = np.concatenate([ring, (ring + following(ring)) / 2])
+    x, y = tested[:, 0, None], tested[:, 1, None]
     rise = b[:, 1] - a[:, 1]
     spans = (a[:, 1] > y) != (b[:, 1] > y)
     at = a[:, 0] + (y - a[:, 1]) / np.where(rise == 0, 1.0, rise) * (b[:, 0] - a[:, 0])
-    return bool(((spans & (x < at)).sum(axis=1) % 2).sum() * 2 >= len(ring))
+    return bool(((spans & (x < at)).sum(axis=1) % 2).sum() * 2 >= len(tested))

@@ -185,6 +185,31 @@ def test_rings_may_run_either_way() -> None:
     assert unequal.min(axis=0).tolist() == [0.0, 0.5]  # edge 2 is the lowest side
 
 
+@pytest.mark.parametrize(
+    "hole",
+    [
+        [(5, 0), (3, 3), (7, 3)],
+        [(0, 0), (1, 3), (3, 1)],
+        [(10, 10), (9, 7), (7, 9)],
+        [(5, 0), (0, 5), (5, 10), (10, 5)],
+    ],
+)
+def test_holes_may_touch_the_outline(hole: list[tuple[float, float]]) -> None:
+    check([[(0, 0), (10, 0), (10, 10), (0, 10)], hole])
+
+
+def test_holes_may_touch_each_other() -> None:
+    check([COURT[0], [(2, 2), (2, 5), (5, 5)], [(5, 5), (8, 8), (8, 5)]])
+
+
+def test_upright_edges_all_around_are_refused() -> None:
+    rings = [[(0, 0), (2, 0), (2, 2), (2.5, 2), (2.5, -3), (5, -3), (5, 4), (0, 4)]]
+    speeds = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+    with pytest.raises(GeometryError, match="enclose") as caught:
+        straight_skeleton(rings, speeds)
+    assert caught.value.hint
+
+
 def test_a_spike_is_left_out() -> None:
     found = straight_skeleton([[(0, 0), (4, 0), (4, 2), (9, 2), (4, 2), (4, 4), (0, 4)]])
     assert sum(face_areas(found)) == pytest.approx(16)
@@ -200,6 +225,8 @@ def test_a_spike_is_left_out() -> None:
         ([[(0, 0), (4, 0), (float("nan"), 4)]], None, "numbers"),
         ([COURT[0], [(20, 20), (21, 20), (21, 21)]], None, "outside"),
         ([COURT[0], [(10, 10), (14, 10), (14, 14), (10, 14)]], None, "crosses itself"),
+        ([*COURT, [(5, 5), (5, 6), (6, 6)]], None, "within another"),
+        ([SQUARE[0], [(1, 0), (3, 0), (3, 2)]], None, "proved right"),
         (SQUARE, [1, 1, 1], "4 edges need 4 speeds"),
         (SQUARE, [1, 1, 1, -1], "at least 0"),
         (SQUARE, [0, 0, 0, 0], "no edge moves"),
