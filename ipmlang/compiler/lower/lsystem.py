@@ -107,7 +107,8 @@ class Body:
         if record is not None and scoped:
             args = operands(code, record, module.args, names)
         else:
-            args = [code.value(each.value, names) for each in self._ordered(module)]
+            given = (each.value for each in self._ordered(module))
+            args = [_value(code, module.name, each, names) for each in given]
         code.module(symbol, args, module.span)
 
     # -------------------------------------------------------------- parts of a shape
@@ -232,3 +233,13 @@ class Body:
         move = self._namer.symbol(code.unit, "f", 1)
         assert move is not None
         code.module(move, (code.row(Row(table, ("step",), copy), "step"),), repeat.span)
+
+
+def _value(code: Code, name: str, given: ast.Expr, names: Environment) -> Operand:
+    """An argument; a file that an imported grammar names lies beside that grammar."""
+    record = OPERATIONS.get(name)
+    forms = () if record is None or not code.unit.prefix else record.forms
+    is_file = any(param.suffixes for form in forms for param in form)
+    if is_file and isinstance(given, ast.Text) and given.value:
+        return code.pool.text(str(code.unit.folder.absolute() / given.value))
+    return code.value(given, names)
