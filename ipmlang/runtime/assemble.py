@@ -133,7 +133,7 @@ def _styles(program: ir.Program, rows: Rows) -> tuple[tuple[PenStyle, ...], NDAr
     """The distinct styles, the plain one first, and each row's number among them."""
     count = len(rows.scale)
     if not rows.texts:
-        return (PenStyle(),), np.zeros(count, np.int32)
+        return (PenStyle(),), np.broadcast_to(np.int32(0), (count,))
     fields = [name for name in TEXT_FIELDS if name in rows.texts]
     plain = np.full((1, len(fields)), -1, np.int32)
     table = np.concatenate((plain, np.stack([rows.texts[name] for name in fields], axis=1)))
@@ -159,8 +159,8 @@ def _style(texts: dict[str, str], folder: Path) -> PenStyle:
 
 def _colors(program: ir.Program, numbers: NDArray[np.int32]) -> NDArray[np.uint32]:
     """0xRRGGBBAA of each row, 0 where the pen sets none."""
-    if not (numbers >= 0).any():
-        return np.zeros(len(numbers), np.uint32)
+    if numbers.max(initial=-1) < 0:
+        return np.broadcast_to(np.uint32(0), (len(numbers),))
     distinct, place = np.unique(numbers, return_inverse=True)
     values = [color(program.strings[i]) if i >= 0 else 0 for i in distinct.tolist()]
     return np.array(values, np.uint32)[place.reshape(-1)]

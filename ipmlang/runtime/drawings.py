@@ -26,6 +26,7 @@ from ipmlang.runtime.pool import Pool
 from ipmlang.runtime.scene import SCOPE, SOLID
 
 Places = NDArray[np.int32]
+BLOCK = 1 << 16  # rows that are worked on at once
 Values = TypeVar("Values", bound="float | NDArray[np.generic]")
 Scalar = TypeVar("Scalar", bound=np.generic)
 
@@ -90,17 +91,15 @@ def rows(
     group = columns.field(FIELD, np.int32, -1)
     way = columns.field(UV, np.int32, -1)
     asset = columns.filled(np.int32, lambda chunk: chunk.asset)
-    shape = np.full(count, -1, np.int32)
+    shape = constant(-1, count, np.int32)
     if "geo" in initial:
         geometry = columns.field("geo", np.float64, 0.0)
-        asset = np.where(asset == SCOPE, pool.kinds(geometry), asset)
-        shape[asset == SOLID] = geometry[asset == SOLID]
-    position = np.zeros((count, 3))
-    axes = "xy" if "angle" in initial else "xyz"
-    columns.rows(position, lambda chunk: [chunk.state.pop(name) for name in axes])
+        if not pool.only_boxes:
+            asset = np.where(asset == SCOPE, pool.kinds(geometry), asset)
+            shape = np.where(asset == SOLID, geometry, -1).astype(np.int32)
+    position = columns.table([*("xy" if "angle" in initial else "xyz")], 3)
     rotation = _rotation(columns, count, "angle" in initial)
-    size = np.zeros((count, 3))
-    columns.rows(size, _size)
+    size = columns.sizes()
     return Rows(
         position,
         rotation,
@@ -121,17 +120,20 @@ def rows(
 
 
 def _rotation(columns: _Columns, count: int, planar: bool) -> NDArray[np.float64]:
-    rotation = np.zeros((count, 4))
     if not planar:
-        columns.rows(rotation, lambda chunk: [chunk.state.pop(name) for name in "wijk"])
-        for start in range(0, count, 1 << 16):
-            part = rotation[start : start + (1 << 16)]
+        rotation = columns.table(["w", "i", "j", "k"], 4)
+        if not rotation.flags.writeable:  # it is the same for all
+            own = rotation[:1] / np.linalg.norm(rotation[:1])
+            return np.broadcast_to(own, (count, 4))
+        for start in range(0, count, BLOCK):
+            part = rotation[start : start + BLOCK]
             part /= np.sqrt(np.einsum("ij,ij->i", part, part))[:, None]
         return rotation
     angle = np.empty(count)
     columns.write(angle, lambda chunk: chunk.state.pop("angle"))
-    for start in range(0, count, 1 << 16):
-        rotation[start : start + (1 << 16)] = scan.about_z(angle[start : start + (1 << 16)])
+    rotation = np.zeros((count, 4))
+    for start in range(0, count, BLOCK):
+        rotation[start : start + BLOCK] = scan.about_z(angle[start : start + BLOCK])
     return rotation
 
 
@@ -140,7 +142,7 @@ class _Columns:
 
     def __init__(self, chunks: Sequence[Chunk], places: Places) -> None:
         self._chunks = chunks
-        self._places = places
+        self._places = places.astype(np.int64)  # what numpy would make of them each time
 
     def keys(self) -> NDArray[np.uint64]:
         """The keys of all drawings."""
@@ -161,20 +163,36 @@ class _Columns:
                 found = chunk.column(value(chunk))
                 out[self._places[chunk.start : chunk.start + chunk.count]] = found
 
-    def rows(self, out: NDArray[np.float64], values: Callable[[Chunk], Sequence[Column]]) -> None:
-        """Put the first columns of a table of all chunks into place, a whole row at a time."""
-        for chunk in self._chunks:
-            if not chunk.count:
-                continue
-            found = [chunk.column(value) for value in values(chunk)]
-            places = self._places[chunk.start : chunk.start + chunk.count]
-            if len(found) == 1:
-                out[places, 0] = found[0]
-                continue
-            block = np.zeros((chunk.count, out.shape[1]))
-            for axis, column in enumerate(found):
-                block[:, axis] = column
-            out[places] = block
+    def table(self, names: Sequence[str], width: int) -> NDArray[np.float64]:
+        """A table (n, width) of fields of the state, a column each; the others are 0. One that is
+        the same in all rows cannot be written to.
+        """
+        return self._stacked(
+            [[chunk.state.pop(name) for chunk in self._chunks] for name in names], width
+        )
+
+    def sizes(self) -> NDArray[np.float64]:
+        """The table (n, 3) of all sizes."""
+        return self._stacked([[chunk.size[axis] for chunk in self._chunks] for axis in range(3)], 3)
+
+    def _stacked(self, parts: Sequence[Sequence[Column]], width: int) -> NDArray[np.float64]:
+        """Columns, each given chunk by chunk, lie one after the other in memory: each is written
+        at once.
+        """
+        count = len(self._places)
+        same = [_the_same(chunks) for chunks in parts]
+        if all(each is not None for each in same):
+            row = np.array([*same, *([0.0] * (width - len(parts)))], np.float64)
+            return np.broadcast_to(row, (count, width))
+        out = np.zeros((width, count))
+        for column, chunks, value in zip(out, parts, same, strict=False):
+            if value is None:
+                waiting = iter([each for each, own in zip(chunks, self._chunks, strict=True)
+                                if own.count])  # fmt: skip
+                self.write(column, lambda chunk, waiting=waiting: next(waiting))  # type: ignore[misc]
+            elif value:
+                column[:] = value
+        return out.T
 
     def filled(
         self, kind: type[Scalar], value: Callable[[Chunk], float | NDArray[np.generic]]
@@ -182,7 +200,7 @@ class _Columns:
         """A new column."""
         values = [value(chunk) for chunk in self._chunks if chunk.count]
         if values and all(isinstance(each, int | float) and each == values[0] for each in values):
-            return np.full(len(self._places), values[0], kind)
+            return constant(float(values[0]), len(self._places), kind)
         out = np.empty(len(self._places), kind)
         waiting = iter(values)
         self.write(out, lambda chunk: next(waiting))
@@ -191,11 +209,20 @@ class _Columns:
     def field(self, name: str, kind: type[Scalar], default: float) -> NDArray[Scalar]:
         """A new column of a field of the state, which may not be there."""
         if not any(name in chunk.state for chunk in self._chunks):
-            return np.full(len(self._places), default, kind)
+            return constant(default, len(self._places), kind)
         return self.filled(kind, lambda chunk: chunk.state.pop(name))
 
 
-def _size(chunk: Chunk) -> Sequence[Column]:
-    """The sizes that are not 0 throughout, from the first axis on."""
-    plain = all(isinstance(value, float) and value == 0.0 for value in chunk.size[1:])
-    return chunk.size[:1] if plain else chunk.size
+def constant(value: float, count: int, kind: type[Scalar]) -> NDArray[Scalar]:
+    """A column of one number, which takes no memory and cannot be written to."""
+    return np.broadcast_to(np.array(value).astype(kind), (count,))
+
+
+def _the_same(values: Sequence[Column]) -> float | None:
+    """The number that a column is in all chunks, if it is one."""
+    if not values:
+        return 0.0
+    first = values[0]
+    if any(isinstance(each, np.ndarray) or each != first for each in values):
+        return None
+    return float(first)

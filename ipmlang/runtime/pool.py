@@ -27,6 +27,7 @@ from ipmlang.runtime.scene import SCOPE, SOLID
 NOTHING, BOX = 0, 1  # numbers that are always the same: no geometry, and all of the scope
 SNAP = 1e-9  # of a geometry's size: extents below are none, corners this near are the scope's
 
+Columns = tuple[NDArray[np.bool_], NDArray[np.int32], NDArray[np.bool_]]
 Load = Callable[[int], Solid]
 
 
@@ -41,7 +42,7 @@ class Pool:
         self._boxes: list[bool] = [False, True]
         self._derived: dict[object, object] = {}
         self._bounds: dict[int, tuple[Floats, Floats]] = {}
-        self._columns: tuple[NDArray[np.bool_], NDArray[np.int32]] | None = None
+        self._columns: Columns | None = None
 
     # ------------------------------------------------------------------------- asking
 
@@ -49,6 +50,16 @@ class Pool:
         """Which geometries fill their scope, () or (n,)."""
         found: NDArray[np.bool_] = self._tables()[0][np.asarray(numbers).astype(np.int64)]
         return found
+
+    def are_tagged(self, numbers: float | Floats) -> NDArray[np.bool_]:
+        """Which geometries are boxes whose faces bear tags of their own, () or (n,)."""
+        found: NDArray[np.bool_] = self._tables()[2][np.asarray(numbers).astype(np.int64)]
+        return found
+
+    @property
+    def only_boxes(self) -> bool:
+        """Whether there is no geometry but what fills its scope."""
+        return all(kind == SCOPE for kind in self._kinds)
 
     def kinds(self, numbers: Floats) -> NDArray[np.int32]:
         """What terminals of these geometries are drawn as (n,): SCOPE, SOLID or an asset."""
@@ -181,9 +192,17 @@ class Pool:
         assert isinstance(made, Solid)
         return made
 
-    def _tables(self) -> tuple[NDArray[np.bool_], NDArray[np.int32]]:
+    def _tables(self) -> Columns:
+        """Of each geometry whether it fills its scope, what it is drawn as, whether it is a box
+        whose faces bear tags.
+        """
         if self._columns is None:
-            self._columns = (np.array(self._boxes), np.array(self._kinds, np.int32))
+            tagged = [
+                box and solid is not None and len(solid) == 6
+                for box, solid in zip(self._boxes, self._solids, strict=True)
+            ]
+            kinds = np.array(self._kinds, np.int32)
+            self._columns = (np.array(self._boxes), kinds, np.array(tagged))
         return self._columns
 
 

@@ -102,8 +102,7 @@ class Scoping(Copying):
             self._miss(there, shown, count)
             shown = _narrowed(shown, np.broadcast_to(there, (count,)))
         if boxes_all:
-            if not np.all(np.asarray(geometry) == BOX):
-                geometry = self._cut_boxes(axis, low, size, extent, geometry, count)
+            geometry = self._cut_boxes(axis, low, size, extent, geometry, count)
             return shown, low, size, geometry
         kinds = table(shown, count, geometry, low, size, sx, sy, sz)
         found = np.zeros((len(kinds.first), 3))
@@ -152,6 +151,8 @@ class Scoping(Copying):
         self, axis: int, low: Column, size: Column, extent: Column, geometry: Column, count: int
     ) -> Column:
         """The numbers of boxes whose faces bear tags, now that some of these are cut."""
+        if not np.any(self.pool.are_tagged(geometry)):
+            return geometry
         begins = np.asarray(low > SNAP * np.asarray(extent))
         ends = np.asarray(low + size < np.asarray(extent) * (1 - SNAP))
         columns = np.broadcast_arrays(np.asarray(geometry), begins, ends)
