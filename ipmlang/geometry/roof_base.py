@@ -17,7 +17,7 @@ from ipmlang.geometry.skeleton_rings import Ring, fit_rings, mostly_inside
 from ipmlang.geometry.solid import Floats, GeometryError, Solid, normals, ring_points, solid_of
 
 BOTTOM, SOFFIT = ("roof.bottom",), ("roof.soffit",)
-FLAT = 1e-9  # how far from its plane a corner of a footprint may be, of the footprint's size
+FLAT = 1e-6  # how far from its plane a corner of a footprint may be, of the footprint's size
 
 
 @dataclass(frozen=True, slots=True)

@@ -168,7 +168,7 @@ def _angle(ridge: float | None) -> float | None:
 
 
 def _planes(base: Footprint, slopes: Sequence[float | None], overhang: float) -> Solid:
-    """A plane from each clean edge of a footprint: of a slope (a tangent), or upright (None)."""
+    """A plane from each of a polygon's edges: of a slope (a tangent), or upright (None)."""
     rising = [slope for slope in slopes if slope is not None]
     drop = overhang * min(rising)
     outwards = [1 / slope if slope else 1 / min(rising) for slope in slopes]
@@ -201,7 +201,8 @@ def _cut_at(
     """
     size = float(np.ptp(vertices[:, :2], axis=0).max())
     z = vertices[:, 2]
-    sides: list[int] = np.where(np.abs(z - level) <= THIN * size, 0, np.sign(z - level)).tolist()
+    away = np.where(np.abs(z - level) <= THIN * size, 0, np.sign(z - level))
+    sides: list[int] = away.astype(np.int64).tolist()
     points: list[list[float]] = vertices.tolist()
     cuts: dict[tuple[int, int], int] = {}
     found: list[tuple[list[int], bool]] = []
