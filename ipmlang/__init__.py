@@ -53,15 +53,17 @@ class Grammar:
         attrs: Mapping[str, int | float | bool | str] | None = None,
         backend: str = "cpu",
         limits: Limits | None = None,
+        on: Path | str | None = None,
     ) -> Scene:
         """Derive the grammar into a scene: a table of instances in derivation order. Without a
-        seed, which is seed 0, `start … choices` draws what it drew when it was written.
+        seed, which is seed 0, `start … choices` draws what it drew when it was written. `on` is a
+        file whose faces or closed paths it starts on, instead of what its `start` names.
 
         Raises IpmError for an unknown attribute, a value out of range, a limit that was reached.
         """
         from ipmlang.runtime import derive
 
-        return derive(self.program, seed=seed, attrs=attrs, backend=backend, limits=limits)
+        return derive(self.program, seed=seed, attrs=attrs, backend=backend, limits=limits, on=on)
 
     def format(self) -> str:
         """The grammar's text in the one layout of the language."""

@@ -111,6 +111,11 @@ commands.add_command(vary_file)
     help="give an attribute a value; may be repeated",
 )
 @click.option(
+    "--on",
+    metavar="FILE",
+    help="start on every closed path or face of a file: lots.svg, town.obj, town.svg#lots",
+)
+@click.option(
     "--backend",
     type=click.Choice(["auto", "cpu", "gpu"]),
     default="auto",
@@ -132,6 +137,7 @@ def run(
     output: Path,
     seed: int | None,
     settings: tuple[str, ...],
+    on: str | None,
     backend: str,
     limits: tuple[str, ...],
     allow_outside: bool,
@@ -150,7 +156,8 @@ def run(
 
     check_output(output)
     grammar = load(file, allow_outside=allow_outside)
-    keep_apart([output], grammar.checked.loaded.paths)
+    stood_on = [] if on is None else [Path(on), Path(on.rpartition("#")[0])]
+    keep_apart([output], [*grammar.checked.loaded.paths, *stood_on])
     show(grammar.warnings)
     started = time.process_time()
     with working(f"deriving {file.name}"):
@@ -159,6 +166,7 @@ def run(
             attrs=parse_settings(settings, grammar.program.attrs),
             backend=backend,
             limits=parse_limits(grammar.program.limits, limits),
+            on=on,
         )
     derived = time.process_time()
     for note in scene.notes:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.compiler.ir import Limits, Program
@@ -25,11 +26,13 @@ def derive(
     attrs: Mapping[str, int | float | bool | str] | None = None,
     backend: str = "cpu",
     limits: Limits | None = None,
+    on: Path | str | None = None,
 ) -> Scene:
     """Run a program: the same seed and attributes give the same scene, on any machine. Without a
     seed, which is seed 0, the choices that a program brings along are drawn again. A residual must
     fit what is drawn where neither seed nor attributes are given; else one that does not is left
-    out, and the scene's notes say so.
+    out, and the scene's notes say so. `on` is a file whose faces or closed paths (`town.obj`, or
+    with a node `town.svg#lots`) are what it starts on, whatever its own start stands on.
 
     Raises IpmError for attributes that do not fit, limits reached, and numbers that are not finite.
     """
@@ -41,6 +44,10 @@ def derive(
     if backend not in BACKENDS:
         raise fail("no-such-backend", f"there is no back end `{backend}` here", hint="use `cpu`")
     begun = time.process_time()
+    if on is not None:
+        from ipmlang.runtime.ground import standing_on
+
+        program = standing_on(program, str(on))
     written = program
     program, values = bind(program, attrs, seed or 0)
     if program.residual is not None and (attrs or seed is not None):

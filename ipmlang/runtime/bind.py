@@ -10,10 +10,13 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ipmlang.compiler import ir
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail, nearest
 from ipmlang.runtime import keys
-from ipmlang.runtime.code import compile_values
+from ipmlang.runtime.code import Column, compile_values
 
 Given = int | float | bool | str
 PHRASES = {
@@ -55,7 +58,50 @@ def bind(
     if problems:
         raise IpmError(problems)
     program = replace(program, strings=tuple(strings))
+    if program.varied:
+        program = replace(program, attrs=_fixed(program.attrs, given, values))
     return _settled(program, values, seed), tuple(values)
+
+
+def _fixed(
+    attrs: Sequence[ir.Attribute], given: Mapping[str, Given], values: Sequence[float]
+) -> tuple[ir.Attribute, ...]:
+    """Attributes whose given values are their defaults."""
+    return tuple(
+        replace(attr, default=((ir.Instruction("const", 0, const=value),), 0), registers=1)
+        if attr.name in given
+        else attr
+        for attr, value in zip(attrs, values, strict=True)
+    )
+
+
+def varied(program: ir.Program, k0: keys.Words, k1: keys.Words) -> tuple[Column, ...]:
+    """The axiom's parameters: for first shapes with the keys (k0, k1), each (n,), the attributes
+    whose defaults are drawn, (n,) or one number. Raises IpmError for one out of range.
+    """
+    if not program.varied:
+        return ()
+    known: list[Column] = []
+    for attr in program.attrs:
+        code, register = attr.default
+        batch, _ = compile_values(code, (register,))
+        found = batch((), k0, k1, {}, known, ())[0]  # type: ignore[arg-type]  # columns, too
+        known.append(np.round(found) if attr.type == "int" else found)
+    for number in program.varied:
+        _refuse_outside(program.attrs[number], np.atleast_1d(known[number]), program.strings)
+    return tuple(known[number] for number in program.varied)
+
+
+def _refuse_outside(
+    attr: ir.Attribute, values: NDArray[np.float64], strings: Sequence[str]
+) -> None:
+    """Raise what is wrong with the first value that is out of an attribute's range."""
+    for value in np.unique(values).tolist():
+        problem = _outside(attr, value, list(strings))
+        if problem is not None:
+            number = int(np.argmax(values == value)) + 1
+            message = f"for first shape {number}, {problem.message}"
+            raise IpmError([replace(problem, message=message)])
 
 
 def evaluated(

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ipmlang.compiler import ir
 from ipmlang.runtime import keys
+from ipmlang.runtime.bind import varied
 from ipmlang.runtime.bodies import Setting
 from ipmlang.runtime.choose import Choice, ShapeError, module
 from ipmlang.runtime.code import Column
@@ -82,19 +83,22 @@ class Frontier(Scoping):
     def _axiom(self, seed: int) -> Shapes:
         """The first shapes: one, or those that the start stands on."""
         state: dict[str, Column] = dict(self._initial)
-        count, many = 1, False
+        count = 1
+        params: tuple[Column, ...] = ()
+        k0, k1 = (np.full(1, word, np.uint32) for word in keys.root(seed))
         if self.program.scoped:
             found = standing(self.program, self.bound.attrs, seed, self.pool)
-            count, many = len(found.size), found.many
+            count = len(found.size)
+            k0, k1 = first_keys(seed, found)
+            params = tuple(map(_column, map(np.atleast_1d, varied(self.program, k0, k1))))
             names = (*"xyz", *"wijk", "sx", "sy", "sz")
             columns = (*found.position.T, *found.rotation.T, *found.size.T)
             state.update(zip(names, map(_column, columns), strict=True))
             state["geo"] = _column(found.geometry)
-            self.counted.shapes = count
+            self.counted.shapes = self.order.first = count
             self.notes = found.notes
-        words = first_keys(seed, count, many)
         numbers = np.arange(count, dtype=np.int32)
-        return Shapes(count, numbers, *words, -1, (), tuple(state.values()))
+        return Shapes(count, numbers, k0, k1, -1, params, tuple(state.values()))
 
     # ------------------------------------------------------------------ batches
 

@@ -13,32 +13,40 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ipmlang.compiler import ir
-from ipmlang.compiler.diagnostics import IpmError, fail
+from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail, nearest
 from ipmlang.formats import FormatError
 from ipmlang.geometry.footprints import footprint
 from ipmlang.geometry.solid import Floats, GeometryError, Solid, normals, ring_points
 from ipmlang.runtime import keys
 from ipmlang.runtime.bind import evaluated
 from ipmlang.runtime.boxes import quaternion
+from ipmlang.runtime.lots import Lot, closed_paths
 from ipmlang.runtime.pool import BOX, NOTHING, Pool
 
+Numbers = NDArray[np.int64]
+
 ON_SITE = 0x50000000  # the site under which the shapes of a file have their keys
+THIN = 1e-12  # points that are off a line by this part of its length lie on it
+SHOWN = 5  # shapes that a note names
+MANY = 20  # shapes whose errors are told one by one
 FILES = (".svg", ".svgz", ".obj", ".ply", ".stl", ".off", ".glb")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Standing:
-    """The first shapes: position (n, 3), rotation (n, 4), size (n, 3), geometry (n,); `many`: they
-    come from a file, and have keys by their number.
+    """The first shapes: position (n, 3), rotation (n, 4), size (n, 3), geometry (n,); `owners`
+    (n, 2): where they come from a file, the number of the face or path of each, and of the part
+    that it is of that; these give their keys.
     """
 
     position: Floats
     rotation: Floats
     size: Floats
     geometry: Floats
-    many: bool = False
+    owners: Numbers | None = None
     notes: tuple[str, ...] = ()
 
 
@@ -54,14 +62,15 @@ def standing(program: ir.Program, attrs: Sequence[float], seed: int, pool: Pool)
         return _one(rotation, size, float(NOTHING if turtle else BOX))
     if ground.kind == "file":
         assert ground.path is not None
-        return file_ground(ground.path, pool)
+        return file_ground(ground.path, ground.node, pool)
     values = evaluated(ground.code, ground.outputs, attrs, seed)
     if not np.isfinite(values).all():
         raise fail("not-a-number", "what the start stands on has a number that is not finite")
     if ground.kind == "box":
         return _box(values)
     corners = np.array(values).reshape(-1, ground.width)
-    return _outlines([[corners]], pool, "the polygon that the start stands on", many=False)
+    one = Lot((corners,))
+    return _outlines([one], pool, "the polygon that the start stands on", many=False)
 
 
 def _one(rotation: Sequence[float], size: Sequence[float], geometry: float) -> Standing:
@@ -110,8 +119,33 @@ def _reached(program: ir.Program) -> list[ir.Symbol]:
 # ----------------------------------------------------------------------------------- files
 
 
-def file_ground(path: Path, pool: Pool) -> Standing:
-    """Every face or closed path of a file."""
+def standing_on(program: ir.Program, reference: str) -> ir.Program:
+    """The program with a start on the faces or closed paths of a file, perhaps of one node of it.
+
+    Raises IpmError where there is no such file, or nothing in the program has a scope.
+    """
+    path, node = Path(reference), ""
+    if not path.exists():
+        name, _, node = reference.rpartition("#")
+        path = Path(name) if name else path
+    if not path.is_file():
+        beside = path.absolute().parent
+        names = [each.name for each in beside.iterdir()] if beside.is_dir() else []
+        message = f"there is no file {path} to start on"
+        meant = nearest(path.name, names)
+        raise IpmError([Diagnostic("no-such-file", message, suggestions=meant)])
+    if not program.scoped:
+        raise fail(
+            "bad-command",
+            f"nothing in {Path(program.path).name} has a scope, so it cannot start on {path.name}",
+            hint=f'write `on "{path.name}"` behind its `start`: then symbols that nothing else '
+            "gives a meaning draw their shapes",
+        )
+    return replace(program, ground=ir.Ground("file", path=path.absolute(), node=node or None))
+
+
+def file_ground(path: Path, node: str | None, pool: Pool) -> Standing:
+    """Every face or closed path of a file, or of one node of it."""
     suffix = path.suffix.lower()
     if suffix not in FILES:
         raise fail(
@@ -119,49 +153,87 @@ def file_ground(path: Path, pool: Pool) -> Standing:
             f"the start cannot stand on {path.name}",
             hint=f"take a file of one of these kinds: {', '.join(FILES)}",
         )
+    notes: list[str] = []
     try:
-        faces = _paths(path) if suffix in (".svg", ".svgz") else _faces(path)
+        if suffix in (".svg", ".svgz"):
+            lots, notes = closed_paths(path, node)
+        else:
+            lots = _faces(path, node)
     except FormatError as error:
         place = f"{path.name}:{error.line}" if error.line else path.name
         raise fail("bad-ground", f"{place}: {error.message}", hint=error.hint) from error
-    if not faces:
-        raise fail("bad-ground", f"there is no face and no closed path in {path.name}")
-    return _outlines(faces, pool, path.name, many=True)
+    if not lots:
+        hint = "; ".join(notes) or None
+        raise fail("bad-ground", f"there is no closed path in {path.name}", hint=hint)
+    made = _outlines(lots, pool, path.name, many=True)
+    return replace(made, notes=(*(f"{path.name}: {note}" for note in notes), *made.notes))
 
 
-def _faces(path: Path) -> list[list[Floats]]:
+def _faces(path: Path, node: str | None) -> list[Lot]:
     from ipmlang.formats.mesh import read_mesh
 
-    mesh = read_mesh(path)
+    mesh = read_mesh(path, node)
     points = mesh.vertices[mesh.corners]
-    return [[points[a:b]] for a, b in pairwise(mesh.offsets.tolist())]
+    return [Lot((points[a:b],)) for a, b in pairwise(mesh.offsets.tolist())]
 
 
-def _paths(path: Path) -> list[list[Floats]]:
-    from ipmlang.runtime.lots import closed_paths
-
-    return closed_paths(path)
-
-
-def _outlines(faces: Sequence[Sequence[Floats]], pool: Pool, name: str, *, many: bool) -> Standing:
+def _outlines(lots: Sequence[Lot], pool: Pool, name: str, *, many: bool) -> Standing:
     """Scopes on outlines with holes: x along the first edge, z out of the face."""
     rows: list[tuple[float, ...]] = []
-    notes: list[str] = []
-    errors = []
-    for number, rings in enumerate(faces):
-        where = f"{name}, shape {number + 1}" if many else name
+    owners: list[tuple[int, int]] = []
+    mends: dict[str, list[int]] = {}
+    errors: list[IpmError] = []
+    for number, lot in enumerate(lots):
+        if many and _is_empty(lot.rings[0]):
+            mends.setdefault("a shape without any area left out", []).append(number)
+            continue
         try:
-            solids, mended = footprint(rings)
+            if lot.trouble is not None:
+                raise lot.trouble
+            solids, mended = footprint(lot.rings)
         except GeometryError as error:
+            own = f" ({lot.name})" if lot.name else ""
+            where = f"{name}, shape {number + 1}{own}" if many else name
             errors.append(fail("bad-ground", f"{where}: {error.message}", hint=error.hint))
             continue
-        notes += [f"{where}: {each}" for each in mended]
+        for each in mended:
+            mends.setdefault(each, []).append(number)
+        owners += [(number, piece) for piece in range(len(solids))]
         rows += [_scope(solid, pool) for solid in solids]
     if errors:
-        raise IpmError([each.diagnostics[0] for each in errors])
-    found = np.array(rows)
-    position, rotation, size, geometry = np.split(found, (3, 7, 10), axis=1)
-    return Standing(position, rotation, size, geometry[:, 0], many, tuple(notes))
+        raise IpmError([each.diagnostics[0] for each in _fewer(errors, name)])
+    if not rows:
+        raise fail("bad-ground", f"no shape in {name} has any area")
+    position, rotation, size, geometry = np.split(np.array(rows), (3, 7, 10), axis=1)
+    notes = tuple(_told(name, note, numbers, many) for note, numbers in mends.items())
+    return Standing(
+        position, rotation, size, geometry[:, 0], np.array(owners) if many else None, notes
+    )
+
+
+def _is_empty(ring: Floats) -> bool:
+    """Whether all points of an outline lie on a line."""
+    around = np.pad(ring - ring[:1], ((0, 0), (0, 3 - ring.shape[1])))
+    far = around[np.argmax((around * around).sum(axis=1))]
+    off = np.cross(around, far)
+    return bool((np.abs(off) <= THIN * float(far @ far)).all())
+
+
+def _told(name: str, note: str, numbers: Sequence[int], many: bool) -> str:
+    """A note on what was mended, with the shapes that it is about."""
+    if not many:
+        return f"{name}: {note}"
+    shown = ", ".join(str(number + 1) for number in numbers[:SHOWN])
+    more = f" and {len(numbers) - SHOWN:,} more" if len(numbers) > SHOWN else ""
+    return f"{name}, shape{'s' if len(numbers) > 1 else ''} {shown}{more}: {note}"
+
+
+def _fewer(errors: list[IpmError], name: str) -> list[IpmError]:
+    """The first errors, and how many more there are."""
+    more = len(errors) - MANY
+    if more <= 1:
+        return errors
+    return [*errors[:MANY], fail("bad-ground", f"{name}: and {more:,} more shapes like these")]
 
 
 def _scope(solid: Solid, pool: Pool) -> tuple[float, ...]:
@@ -175,10 +247,17 @@ def _scope(solid: Solid, pool: Pool) -> tuple[float, ...]:
     return (*(low @ axes), *quaternion(axes), *size, float(number))
 
 
-def first_keys(seed: int, count: int, many: bool) -> tuple[keys.Words, keys.Words]:
-    """The keys of the first shapes: the root, or for those of a file its children by number."""
+def first_keys(seed: int, standing: Standing) -> tuple[keys.Words, keys.Words]:
+    """The keys of the first shapes: the root, or for those of a file its children by the number of
+    the face or path; where that fell apart, the second part and those after it by theirs, too.
+    """
+    count = len(standing.size)
     first, second = keys.root(seed)
     k0, k1 = np.full(count, first, np.uint32), np.full(count, second, np.uint32)
-    if not many:
+    if standing.owners is None:
         return k0, k1
-    return keys.child(k0, k1, ON_SITE, np.arange(count, dtype=np.uint32))
+    numbers, parts = standing.owners.T.astype(np.uint32)
+    k0, k1 = keys.child(k0, k1, ON_SITE, numbers)
+    later = parts > 0
+    k0[later], k1[later] = keys.child(k0[later], k1[later], ON_SITE, parts[later])
+    return k0, k1

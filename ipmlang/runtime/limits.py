@@ -144,11 +144,12 @@ class Trail:
         begins = [begin for begin, _ in self.names()]
         parents = _Parents(self.order)
         parts: list[str] = []
-        while shape > 0:
+        first = self.order.first
+        while shape >= first:
             name = self.names()[bisect_right(begins, shape) - 1][1]
             shape, copy = parents.of(shape)
             parts.append(name if copy is None else f"{name}[{copy}]")
-        parts.append("start")
+        parts.append("start" if first == 1 else f"start[{shape}]")
         return joined_way(parts[::-1])
 
 

@@ -70,15 +70,17 @@ class Trace:
 
 class Order:
     """The records of a derivation, in the order of the applications; `open` is the one that is
-    still being written, if any.
+    still being written, if any. The first shapes, `first` of them, are what the axiom is applied
+    to.
     """
 
     def __init__(self) -> None:
         self.records: list[Record | Trace] = []
+        self.first = 1
         self.open: Trace | None = None
 
     def places(self, shapes: int, drawings: int) -> NDArray[np.int32]:
-        """The row (drawings,) of each drawing; shape 0 is the axiom."""
+        """The row (drawings,) of each drawing; those of the first shapes follow each other."""
         weights = np.zeros(shapes, np.int32)
         for record in reversed(self.records):
             if isinstance(record, Trace):
@@ -86,6 +88,7 @@ class Order:
             else:
                 weights[record.shapes] = _weigh(record.slots, len(record.shapes), weights)
         begins = np.zeros(shapes, np.int32)
+        begins[1 : self.first] = np.cumsum(weights[: self.first - 1])
         places = np.empty(drawings, np.int32)
         for record in self.records:
             if isinstance(record, Trace):
