@@ -14,6 +14,8 @@ from ipmlang.geometry.loops import Vector, cross, dot, encloses
 Ring = list[int]
 """Corner numbers, one after the other."""
 Face = list[Ring]
+Slab = tuple[list[Face], list[frozenset[str]]]
+"""Faces, and the tags of each."""
 
 
 @dataclass(slots=True)
@@ -33,6 +35,7 @@ class Cutting:
     up: Vector
     axis: int | None
     closed: bool
+    near: float
     met: dict[tuple[int, int, int], int] = field(default_factory=dict)
 
 

@@ -10,14 +10,26 @@ import numpy as np
 from ipmlang.geometry.solid import Floats, Indices, Solid
 
 
-def first_at_place(vertices: Floats) -> Indices:
-    """For each vertex (v,) the number of the first that has exactly its place."""
-    order = np.lexsort(vertices.T)
+def first_at_place(vertices: Floats, near: float = 0.0) -> Indices:
+    """For each vertex (v,) the number of the first at its place.
+
+    near: coordinates of different vertices that follow each other this closely are the same.
+    """
+    cells = vertices if near == 0 else np.stack([_steps(each, near) for each in vertices.T], axis=1)
+    order = np.lexsort(cells.T)
     first = np.ones(len(order), bool)
-    first[1:] = (np.diff(vertices[order], axis=0) != 0).any(axis=1)
+    first[1:] = (cells[order[1:]] != cells[order[:-1]]).any(axis=1)
     numbers = np.empty(len(order), np.int64)
     numbers[order] = order[first][np.cumsum(first) - 1]
     return numbers
+
+
+def _steps(values: Floats, near: float) -> Indices:
+    """Numbers (v,) that are the same for values with no gap between them."""
+    order = np.argsort(values)
+    steps = np.empty(len(values), np.int64)
+    steps[order] = np.cumsum(np.diff(values[order], prepend=values[order[:1]]) > near)
+    return steps
 
 
 def following(solid: Solid) -> Indices:

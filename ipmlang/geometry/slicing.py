@@ -8,20 +8,13 @@ there leave no slivers; what two faces share stays shared. Works on lists: piece
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import chain, pairwise
+from itertools import pairwise
 
 import numpy as np
 
-from ipmlang.geometry.loops import (
-    Vector,
-    chained,
-    dot,
-    frame,
-    nested,
-    unmatched,
-)
-from ipmlang.geometry.parting import Cutting, Face, Ring, normal_of, parted, stacked
-from ipmlang.geometry.sharing import first_at_place
+from ipmlang.geometry.lids import lids_of, weld
+from ipmlang.geometry.loops import Vector, dot
+from ipmlang.geometry.parting import Cutting, Face, Slab, normal_of, parted, stacked
 from ipmlang.geometry.solid import Floats, Indices, Solid, is_closed
 
 LID = frozenset(["split.cut"])
@@ -42,11 +35,13 @@ def sliced(
     ranks = _ranks(heights, np.asarray(planes), near)
     if (low := int(ranks.min())) == int(ranks.max()) and low % 2 == 0:
         return [solid if low == 2 * k else None for k in range(1, len(planes))]
-    work = _laid_out(solid, heights, ranks, list(planes), up, axis)
+    work = _laid_out(solid, heights, ranks, list(planes), up, axis, near)
     slabs = _assigned(work, solid)[1:-1]
     if work.closed:
+        weld(work, slabs)
         for k, (faces, tags) in enumerate(slabs):
-            _close(work, k + 1, faces, tags)
+            lids = lids_of(work, k + 1, faces)
+            _put((faces, tags), lids, LID)
     return [_built(work, faces, tags) for faces, tags in slabs]
 
 
@@ -69,6 +64,7 @@ def _laid_out(
     planes: list[float],
     up: Vector,
     axis: int | None,
+    near: float,
 ) -> Cutting:
     """Lists of a solid's arrays; vertices near a plane are put on it."""
     vertices = solid.vertices
@@ -81,22 +77,18 @@ def _laid_out(
             vertices[on] += (snapped - heights)[on, None] * np.asarray(up)
         else:
             vertices[on, axis] = snapped[on]
-    closed = is_closed(solid)
-    corners = first_at_place(vertices)[solid.corners] if closed else solid.corners
     return Cutting(
         vertices.tolist(),
         snapped.tolist(),
         ranks.tolist(),
-        corners.tolist(),
+        solid.corners.tolist(),
         None if solid.uv is None else solid.uv.tolist(),
         planes,
         up,
         axis,
-        closed,
+        is_closed(solid),
+        near,
     )
-
-
-Slab = tuple[list[Face], list[frozenset[str]]]
 
 
 def _assigned(work: Cutting, solid: Solid) -> list[Slab]:
@@ -145,46 +137,6 @@ def _side_of_flat(work: Cutting, face: Face, k: int) -> int:
         return k + (k < len(work.planes) - 1 or k == 0)
     normal = normal_of(work, face)
     return k if dot(normal, work.up) > 0 else k + 1
-
-
-def _close(work: Cutting, k: int, faces: list[Face], tags: list[frozenset[str]]) -> None:
-    """Add the lids of slab k: whatever bounds its other faces in either plane."""
-    ranks, vertex = work.ranks, work.vertex
-    border: dict[int, list[tuple[int, int]]] = {2 * k - 1: [], 2 * k + 1: []}
-    for face in faces:
-        for ring in face:
-            b = vertex[ring[-1]]
-            for corner in ring:
-                a, b = b, vertex[corner]
-                if ranks[a] == ranks[b] and ranks[a] % 2:
-                    border[ranks[a]].append((a, b))
-    for rank, edges in border.items():
-        rims = [(b, a) for a, b in unmatched(edges)]
-        if rims:
-            lids = _lids(work, rims, facing=1.0 if rank > 2 * k else -1.0)
-            faces += lids
-            tags += [LID] * len(lids)
-
-
-def _lids(work: Cutting, rims: list[tuple[int, int]], facing: float) -> list[Face]:
-    across, along = frame(work.up)
-    flat = {}
-    for number in chain.from_iterable(rims):
-        point = work.points[number]
-        flat[number] = (dot(point, across) * facing, dot(point, along))
-    lids = nested(chained(rims, flat), flat)
-    return [[_cornered(work, ring, flat, facing) for ring in lid] for lid in lids]
-
-
-def _cornered(
-    work: Cutting, ring: Ring, flat: dict[int, tuple[float, float]], facing: float
-) -> Ring:
-    """New corners at vertices; a lid's texture lies in its plane, a unit of length to a unit."""
-    first = len(work.vertex)
-    work.vertex += ring
-    if work.uv is not None:
-        work.uv += [[flat[number][0] * facing, flat[number][1]] for number in ring]
-    return list(range(first, len(work.vertex)))
 
 
 def _built(work: Cutting, faces: list[Face], tags: list[frozenset[str]]) -> Solid | None:
