@@ -81,6 +81,7 @@ class Writer:
         """Write the elements of a body; the state after them."""
         saved: list[State] = []
         passed = -1
+        self._base = self._base or state
         for number, each in enumerate(elements):
             if number <= passed and each.op not in ir.VALUE_OPS:
                 continue
