@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import IpmError, fail
 from ipmlang.formats.drawing import Drawing
+from ipmlang.inverse.baselines import settle_baselines
 from ipmlang.inverse.compare import Comparison
 from ipmlang.inverse.deviations import rule_errors
 from ipmlang.inverse.explanation import Explanation, explain
@@ -263,6 +264,7 @@ def _simplified(instanced: Instanced, string: Arrangement, options: Options) -> 
     make_upright(book, instanced.alphabet)
     recentre(book)
     share_places(book, instanced.alphabet)
+    settle_baselines(book, instanced.alphabet)
     settle_terminals(book, instanced.alphabet)
     return book
 

@@ -38,6 +38,7 @@ from ipmlang.inverse.reach import measure
 from ipmlang.inverse.score import INLINE_ROWS
 from ipmlang.inverse.simplify import AXIOM, Book
 from ipmlang.inverse.terminals import Instanced, asset_element
+from ipmlang.inverse.walks import with_walks
 from ipmlang.inverse.wording import arrangement, plain_row
 
 _STRING = re.compile(r'"(?:[^"\\\n]|\\[^\n])*"|//[^\n]*')
@@ -121,6 +122,9 @@ def write_grammar(book: Book, subject: Subject) -> Written:
     items += tables
     items += [ast.Residual(each.name) for each in order]
     items += builder.attributes
+    if subject.use_tables:
+        staying = {name for number, name in named.items() if number not in book.repeats()}
+        rules = [with_walks(rule, staying) for rule in rules]
     rules, begin = _started(rules)
     items += [spaced(rule, first=k == 0) for k, rule in enumerate(rules)]
     items.append(ast.Start(begin))
