@@ -10,13 +10,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from ipmlang.geometry.corners import edges_of
 from ipmlang.geometry.planar import closed, opened
 from ipmlang.geometry.raising import extrude
 from ipmlang.geometry.roofs import roof_hip
 from ipmlang.geometry.setbacks import widths_of
 from ipmlang.geometry.slabs import slab
 from ipmlang.geometry.solid import GeometryError, Solid, joined
-from ipmlang.geometry.strips import edges_of, strips_of
+from ipmlang.geometry.strips import strips_of
 
 _NAMES = {
     "extrude.bottom": "envelope.bottom",

@@ -41,7 +41,7 @@ def footprint(rings: Sequence[Points]) -> tuple[list[Solid], list[str]]:
     crossing), points off the plane (with the distance), numbers that are not finite and no area.
 
     >>> footprint([[(0, 0), (0, 2), (3, 2), (3, 1), (3, 0), (0, 0)]])[1]
-    ['the outline ran clockwise: turned round', '1 point in the middle of a straight edge left out']
+    ['1 point in the middle of a straight edge left out', 'the outline ran clockwise: turned round']
     """
     spatial = [_points(ring, name) for ring, name in zip(rings, _names(len(rings)), strict=True)]
     if not spatial:

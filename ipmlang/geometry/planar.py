@@ -85,6 +85,11 @@ def rings_area(rings: Iterable[Floats]) -> float:
     return sum(signed_area(ring) for ring in rings)
 
 
+def extent(rings: Rings) -> float:
+    """The diagonal of the box around the outline."""
+    return float(np.hypot(*(rings[0].max(axis=0) - rings[0].min(axis=0))))
+
+
 def _affine_uv(solid: Solid) -> Floats | None:
     if solid.uv is None:
         return None

@@ -10,11 +10,14 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ipmlang.geometry.claims import claims_of
+from ipmlang.geometry.corners import MITRE, THIN, Edges, corners_of, edges_of
 from ipmlang.geometry.pieces import Piece
 from ipmlang.geometry.planar import (
     Plane,
     Rings,
     closed,
+    extent,
     grid_of,
     opened,
     rings_area,
@@ -24,16 +27,7 @@ from ipmlang.geometry.planar import (
     without,
 )
 from ipmlang.geometry.solid import Floats, GeometryError, Solid
-from ipmlang.geometry.strips import (
-    MITRE,
-    Edges,
-    claims_of,
-    corners_of,
-    edges_of,
-    moved_in,
-    rest_area,
-    strips_of,
-)
+from ipmlang.geometry.strips import moved_in, rest_area, strips_of
 
 SHAPE = frozenset({"shape", "inside", "rest", "remainder"})
 BORDER = frozenset({"border", "all"})
@@ -128,15 +122,21 @@ def _factor(rings: Rings, widths: Floats, area: float) -> float:
             "ask for the area first, as in: case geometry.area > …",
         )
     widest = float(widths.max())
-    if area >= whole:
+    if area >= whole * (1 - 1e-12):
         return 0.0
     if widest == 0.0:
         raise GeometryError(
             "setback cannot leave a given area where all distances are 0",
             "the distances say how wide the strips are in proportion",
         )
-    low, high = np.min(rings[0], axis=0), np.max(rings[0], axis=0)
-    most = float(np.hypot(*(high - low))) / widest
+
+    def over(factor: float) -> float:
+        return rest_area(rings, widths * factor) - area
+
+    guess = _guess(over, float(widths @ edges_of(rings).length), whole - area)
+    if abs(over(guess)) <= 1e-12 * whole:
+        return guess
+    most = extent(rings) / widest
     left = rest_area(rings, widths * most)
     if left > area:
         raise GeometryError(
@@ -144,10 +144,17 @@ def _factor(rings: Rings, widths: Floats, area: float) -> float:
             "give more sides a distance",
         )
 
-    def over(factor: float) -> float:
-        return rest_area(rings, widths * factor) - area
-
     return root_of(over, (0.0, whole - area), (most, left - area), 1e-12 * whole)
+
+
+def _guess(over: Callable[[float], float], loss: float, excess: float) -> float:
+    """The factor if no strip ends early: the area left is then a quadratic of it, which loses at
+    first as much as the edges are long.
+    """
+    step = excess / loss
+    bend = (over(step) - excess + loss * step) / (step * step)
+    root = np.sqrt(max(loss * loss - 4 * bend * excess, 0.0))
+    return float(2 * excess / (loss + root))
 
 
 def root_of(
@@ -197,9 +204,10 @@ def offset(polygon: Solid, distance: float) -> list[Piece]:
     rings, plane = opened(polygon, "offset")
     if not np.isfinite(distance):
         raise GeometryError("offset needs a distance that is a number")
+    least = THIN * extent(rings)
     inside, border = (
-        _grown(rings, distance) if distance > 0
-        else _shrunk(rings, -distance) if distance < 0
+        _grown(rings, distance) if distance > least
+        else _shrunk(rings, -distance) if distance < -least
         else ([rings], [])
     )  # fmt: skip
     return _offset_pieces(inside, border, plane)
