@@ -34,6 +34,7 @@ Opcode: TypeAlias = Literal[
     "slab",  # args (low, size); const axis 0, 1 or 2; body: of the part of the scope between
     "pieces",  # args; const (operation, number); body: "part"s, each for what its selector takes
     "part",  # const: a selector; body
+    "join",  # const: union, subtract or intersect; body: "part"s, whose solids it makes one of
     # state, in meanings only
     "move",  # args (x, y, z) along the local axes, in frame units
     "rotate",  # args (degrees,); const "x", "y" or "z": about the local axis
@@ -61,19 +62,15 @@ Opcode: TypeAlias = Literal[
 Const: TypeAlias = "float | int | str | tuple[object, ...] | None"
 Chance: TypeAlias = "tuple[Literal['percent', 'weight'], tuple[Instruction, ...], int]"
 
-VALUE_OPS = frozenset(
-    {
-        "const", "param", "attr", "index", "row", "call", "uniform", "state", "measure", "count",
-        "query",
-    }  # fmt: skip
-)
-BODY_OPS = frozenset({"module", "open", "close", "repeat", "slab", "pieces", "part"})
-SCOPE_OPS = frozenset(
-    {
-        "state", "measure", "query", "slab", "pieces", "resize", "solid", "center", "report", "phase",
-        "lay",
-    }  # fmt: skip
-)
+VALUE_OPS = frozenset({
+    "const", "param", "attr", "index", "row", "call", "uniform", "state", "measure", "count",
+    "query",
+})  # fmt: skip
+BODY_OPS = frozenset({"module", "open", "close", "repeat", "slab", "pieces", "part", "join"})
+SCOPE_OPS = frozenset({
+    "state", "measure", "query", "slab", "pieces", "resize", "solid", "center", "report", "phase",
+    "lay", "join",
+})  # fmt: skip
 RESIDUAL_TEXTS = ("css", "color", "fill", "stroke")
 RESIDUAL_COLUMNS = ("x", "y", "z", "angle", "scale", "layer", *RESIDUAL_TEXTS)
 

@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from ipmlang.compiler import ir
-from ipmlang.compiler.ops import FUNCTIONS
+from ipmlang.compiler.ops import FUNCTIONS, QUERIES
 
 ARGUMENTS: dict[str, int] = {
     "move": 3, "rotate": 1, "orient": 4, "scale": 1, "mirror": 0, "level": 0, "layer": 1, "cut": 0,
-    "slab": 2, "part": 0, "resize": 3, "center": 1, "report": 2,
+    "slab": 2, "part": 0, "join": 0, "resize": 3, "center": 1, "report": 2, "phase": 1,
     "segment": 1, "polygon_open": 0, "polygon_close": 0, "vertex": 0, "open": 0, "close": 0,
 }  # fmt: skip
 RESERVED = 0x40000000  # sites from here on are not a production's own
@@ -106,7 +106,7 @@ def _sites(where: str, code: Iterable[ir.Instruction]) -> Iterator[str]:
     """Children and draws have sites of their own, below the reserved ones."""
     used: set[int] = set()
     for each in code:
-        if each.op not in ("module", "uniform"):
+        if each.op not in ("module", "uniform", "query"):
             continue
         if not 0 <= each.site < RESERVED:
             yield f"{where}: {each.op} has site {each.site:#x}, out of range"
@@ -165,6 +165,9 @@ def _instruction(
         case "call":
             if each.const not in FUNCTIONS:
                 yield f"{where}: there is no function {each.const}"
+        case "query":
+            if each.const not in QUERIES:
+                yield f"{where}: there is no query {each.const}"
         case "row":
             yield from _cell(where, program, each)
         case "emit":

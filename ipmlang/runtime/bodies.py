@@ -12,11 +12,15 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from ipmlang.compiler import ir
+from ipmlang.runtime import questions
 from ipmlang.runtime.algebra import Operand, Source
 from ipmlang.runtime.code import INFIX, Names, expression, source
 from ipmlang.runtime.fields import IDENTITY, UNSET
 from ipmlang.runtime.grouping import FIELD
 from ipmlang.runtime.laying import FIELD as UV
+from ipmlang.runtime.marks import FIELD as MARK
+from ipmlang.runtime.marks import PHASE
+from ipmlang.runtime.joins import FIELD as JOIN
 from ipmlang.runtime.primitives import UnscannableError
 from ipmlang.runtime.scene import SCOPE, SEGMENT
 
@@ -81,6 +85,7 @@ class Writer:
         """Write the elements of a body; the state after them."""
         saved: list[State] = []
         passed = -1
+        needed = self._needed(elements) if self._quiet else None
         self._base = self._base or state
         for number, each in enumerate(elements):
             if number <= passed and each.op not in ir.VALUE_OPS:
@@ -97,11 +102,13 @@ class Writer:
                 self._slab(each, scope, state)
             elif each.op == "pieces":
                 self._pieces(each, scope, state)
+            elif each.op == "join":
+                self._join(each, scope, state)
             elif each is self._tail:
                 self.ended = dict(state)
             elif each.op == "module":
                 state = self._module(each, scope, state)
-            elif each.out not in scope.registers:
+            elif each.out not in scope.registers and (needed is None or each.out in needed):
                 scope.registers[each.out] = self._value(each, scope, scope.registers, state)
         return state
 
@@ -116,6 +123,28 @@ class Writer:
             if depth == 0:
                 return number - 1
         return begin
+
+    def _needed(self, elements: Sequence[ir.Instruction]) -> set[int]:
+        """The registers that decide where a walk through elements leads."""
+        moving = []
+        passed = -1
+        for number, each in enumerate(elements):
+            if number > passed and not self._makes(each):
+                moving.append(each)
+            if each.op == "open" and number > passed:
+                passed = self._bracket_end(elements, number)
+        return questions.needed(elements, moving)
+
+    def _makes(self, each: ir.Instruction) -> bool:
+        """Whether an element makes shapes, or parts of the scope, and leaves the state alone."""
+        if each.op in ("slab", "pieces", "join") or each is self._tail:
+            return True
+        return each.op == "module" and self._expands(each)
+
+    def _expands(self, each: ir.Instruction) -> bool:
+        assert isinstance(each.const, int)
+        symbol = self._setting.program.symbols[each.const]
+        return bool(symbol.productions or symbol.interpretation)
 
     def act(
         self,
@@ -141,13 +170,16 @@ class Writer:
                 state = self._shaped(each, given, scope, state)
             else:
                 state = self._state(each, given, state)
+            state = questions.known(self, each, given, scope, site, state)
         return state
 
     def _module(self, each: ir.Instruction, scope: Scope, state: State) -> State:
         assert isinstance(each.const, int)
+        if self._quiet and self._expands(each):
+            return state
         symbol = self._setting.program.symbols[each.const]
         args = tuple(scope.registers[register] for register in each.args)
-        if not (symbol.productions or symbol.interpretation):
+        if not self._expands(each):
             return self.act(symbol.meaning or (), scope, args, each.const, each.site, state)
         if not self._quiet:
             self._make(each.const, scope, args, each.site, state)
@@ -171,6 +203,8 @@ class Writer:
             scope.numbers,
         )
         args = [registers[arg] for arg in each.args]
+        if each.op == "query":
+            return questions.answered(self, each, args, scope, state)
         if each.op == "call" and each.const in INFIX:
             return self._arithmetic(str(each.const), args[0], args[1])
         found = expression(each, args, names)
@@ -204,6 +238,9 @@ class Writer:
                 return self._levelled(state)
             case "pen":
                 return self._penned(each, args, state)
+            case "phase":
+                before = source(state[PHASE])
+                return {**state, PHASE: self._held(f"run.later({source(args[0])}, {before})")}
             case "layer":
                 return {**state, "layer": self.source.add(state["layer"], args[0])}
             case _:
@@ -375,8 +412,8 @@ class Writer:
         inner = self._gathered(each, each.const, scope, owner, index)
         own = {name: self._taken(value, owner) for name, value in state.items()}
         start: State = {name: IDENTITY.get(name, 0.0) for name in state}
-        start.update({name: own[name] for name in SCOPE_FIELDS if name in own})
-        pens = [name for name in state if name not in FRAME and name not in SCOPE_FIELDS]
+        start.update({name: own[name] for name in (*SCOPE_FIELDS, MARK) if name in own})
+        pens = [name for name in state if name not in (*FRAME, *SCOPE_FIELDS, MARK)]
         start.update({name: UNSET for name in pens if name != "layer"})
         quiet, self._quiet = self._quiet, True
         step = self.body(each.body, inner, dict(start))
@@ -545,10 +582,23 @@ class Writer:
             slots, self.slots = self._values(self.slots), outer
             self.slots.append(f"Copies({mine}.counts, {owner}, {slots})")
 
+    def _join(self, each: ir.Instruction, scope: Scope, state: State) -> None:
+        """Parts whose solids become one: each has a number, and draws under it."""
+        if self._quiet:
+            return
+        parts = [part for part in each.body if part.op == "part"]
+        names = [name for name in state if name in FRAME]
+        what = f"{each.const!r}, {len(parts)}, {scope.count}, {source(state[JOIN])}"
+        found = self._held(f"run.join({what}, {self._mapping(state, names)})")
+        for place, part in enumerate(parts):
+            number = self.source.let(f"{found} + {place}.0")
+            inner = replace(scope, registers=dict(scope.registers))
+            self._within(part.body, inner, {**state, JOIN: number})
+
     def _within(self, body: Sequence[ir.Instruction], scope: Scope, state: State) -> None:
         """A body of its own; `center` in it asks for the scope that it began with."""
         before, self._base = self._base, state
-        self.body(body, scope, state)
+        self.body(body, scope, questions.began(self, body, scope, state))
         self._base = before
 
 

@@ -10,7 +10,10 @@ import math
 from collections.abc import Iterable, Iterator
 
 from ipmlang.compiler import ir
+from ipmlang.runtime.joins import FIELD as JOIN
 from ipmlang.runtime.laying import FIELD as UV
+from ipmlang.runtime.marks import FIELD as MARK
+from ipmlang.runtime.marks import FIRST, PHASE, asked
 
 FLAT = (1.0, 0.0, 0.0, 0.0)  # heading +x, left +y, up +z
 BOOK = (0.0, 1.0, 0.0, 0.0)  # heading +x, left -y, up -z: the published end points need it
@@ -31,12 +34,18 @@ def fields(program: ir.Program) -> dict[str, float]:
         found.update(zip("wijk", first_rotation(program), strict=True))
     if program.scoped:
         found.update(dict.fromkeys(SCOPE, 0.0))
+        if _joins(program):
+            found[JOIN] = -1.0
     used = {(each.op, _field(each)) for each in _meanings(program)}
     ops = {op for op, _ in used}
     if ops & {"scale", "mirror"} or ("solid", "mirrorScope") in used:
         found["scale"] = 1.0
     if "lay" in ops:
         found[UV] = -1.0
+    if asked(program) is not None:
+        found[MARK] = -1.0
+    if "phase" in ops:
+        found[PHASE] = FIRST
     if "layer" in ops:
         found["layer"] = 0.0
     width = program.pen_width
@@ -47,6 +56,13 @@ def fields(program: ir.Program) -> dict[str, float]:
     for _, name in sorted(each for each in used if each[0] == "pen" and each[1] != "width"):
         found[name] = -1.0
     return found
+
+
+def _joins(program: ir.Program) -> bool:
+    """Whether some rule makes one solid of several."""
+    return any(
+        each.op == "join" for each in _all(p.body for p in (*program.productions, program.axiom))
+    )
 
 
 def first_rotation(program: ir.Program) -> tuple[float, float, float, float]:

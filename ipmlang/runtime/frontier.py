@@ -9,53 +9,72 @@ keys.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.compiler import ir
 from ipmlang.runtime import keys
+from ipmlang.runtime.asking import Asking
 from ipmlang.runtime.bind import varied
-from ipmlang.runtime.bodies import Setting
-from ipmlang.runtime.choose import Choice, ShapeError, module
+from ipmlang.runtime.bodies import OWN, Setting
+from ipmlang.runtime.choose import Choice, ShapeError, module, told
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.compiled import Compiled
 from ipmlang.runtime.drawings import Chunk
 from ipmlang.runtime.ground import first_keys, standing
 from ipmlang.runtime.grouping import Grouping
+from ipmlang.runtime.joins import Joining
 from ipmlang.runtime.keys import Words
 from ipmlang.runtime.limits import Counted, Trail
+from ipmlang.runtime.marks import FIELD as MARK
+from ipmlang.runtime.marks import PHASE, SEEN
 from ipmlang.runtime.order import Drawn, Made, Order, Record
 from ipmlang.runtime.pending import FINAL, Pending, Shapes
-from ipmlang.runtime.scoping import Scoping
+from ipmlang.runtime.scene import SEGMENT
 from ipmlang.runtime.single import Single
 from ipmlang.runtime.solids import AssetSolids
 from ipmlang.runtime.values import Batch, Bound, Scope
+
+if TYPE_CHECKING:
+    from ipmlang.runtime.occluders import Occluders
 
 NARROW = 24  # so few shapes run one by one
 
 NOTHING = Made(0, 0, np.zeros(0, np.int64))
 
 
-class Frontier(Scoping):
-    """One derivation. Bodies call `draw` and `make`, and what `Scoping` has for parts."""
+class Frontier(Asking):
+    """One derivation. Bodies call `draw` and `make`, and what `Asking` has for other shapes and
+    `Scoping` for parts.
+    """
 
     def __init__(
-        self, bound: Bound, initial: dict[str, float], limits: ir.Limits, steps: int | None
+        self,
+        bound: Bound,
+        initial: dict[str, float],
+        limits: ir.Limits,
+        steps: int | None,
+        answers: Occluders | None = None,
     ) -> None:
-        super().__init__(bound.program, Counted(bound.program, limits), AssetSolids(bound.program))
+        counted = Counted(bound.program, limits)
+        super().__init__(bound.program, counted, AssetSolids(bound.program), answers)
         self.bound = bound
         self._initial = initial
         self.fields = tuple(initial)
         self.steps = steps
         self.compiled = Compiled(Setting(bound.program, self.fields, bound.attrs))
         self.pending = Pending()
+        self._later: dict[float, Pending] = {}  # what waits for other phases
         self.following = 0  # the generation of the shapes that are made now
         self.generations = 0
         self.order = Order()
         self.chunks: list[Chunk] = []
         self.drawings = 0
         self.grouping = Grouping()
+        self.joining = Joining()
         self.notes: tuple[str, ...] = ()
         self._single = Single(self)
 
@@ -69,7 +88,10 @@ class Frontier(Scoping):
         self.counted.trail = Trail(self.order, self.names)
         self._names = [(0, "start")]
         self.apply(-1, self._axiom(seed))
-        while self.pending.count:
+        while self.pending.count or self._later:
+            if not self.pending.count:
+                self.enter(min(self._later))
+                self.pending = self._later.pop(self.phase)
             if self.pending.count <= NARROW and not self.program.scoped:
                 self._single.run()
             else:
@@ -98,7 +120,8 @@ class Frontier(Scoping):
             self.counted.shapes = self.order.first = count
             self.notes = found.notes
         numbers = np.arange(count, dtype=np.int32)
-        return Shapes(count, numbers, k0, k1, -1, params, tuple(state.values()))
+        first = Shapes(count, numbers, k0, k1, -1, params, tuple(state.values()))
+        return self._noted(-1, first)
 
     # ------------------------------------------------------------------ batches
 
@@ -214,13 +237,15 @@ class Frontier(Scoping):
         rows: NDArray[np.int64] | None,
     ) -> Drawn:
         """Note what every row of a batch, or some rows, draw."""
-        count = count if rows is None else len(rows)
+        whole, count = count, count if rows is None else len(rows)
         own = dict(zip(self.fields, state, strict=True))
         chunk = Chunk(
             self.drawings, count, rule, symbol, asset, size, own, k0, k1, site, copies, rows
         )
         self.counted.draw(count)
         self.check_drawn(chunk)
+        if self.asked is not None:
+            self.note_drawn(whole, symbol, asset, own, (k0, k1, site, copies), rows)
         return self.note(chunk)
 
     def check_drawn(self, chunk: Chunk) -> None:
@@ -244,11 +269,31 @@ class Frontier(Scoping):
         self.drawings += chunk.count
         return Drawn(chunk.start, chunk.count, chunk.rows)
 
+    def occluders(self) -> Occluders:
+        """What this derivation made, for another one to ask about."""
+        from ipmlang.runtime.occluders import Occluders
+
+        drawn: list[tuple[Mapping[str, Column], int]] = []
+        for chunk in self.chunks if self.asked is not None and self.asked.drawn else ():
+            if isinstance(chunk.asset, int) and chunk.asset != SEGMENT and chunk.count:
+                seen = [name for name in SEEN if name in chunk.state]
+                own = {name: chunk.column(chunk.state[name]) for name in seen}
+                drawn.append((self.with_asset(chunk.asset, own), chunk.count))
+        return Occluders(self.marks, self.pool, drawn)
+
     def group(
         self, count: int, text: Column, parent: Column, state: Mapping[str, Column]
     ) -> NDArray[np.float64]:
         """Begin a group in every row of a batch; their numbers."""
         return self.grouping.begin(count, text, parent, state)
+
+    def join(
+        self, kind: str, parts: int, count: int, around: Column, state: Mapping[str, Column]
+    ) -> NDArray[np.float64]:
+        """Begin a boolean in every row of a batch; the numbers of its first parts."""
+        rule = self.compiled.production(self.counted.rule)
+        where = told(self.program, rule)
+        return self.joining.begin(kind, parts, count, around, state, where)
 
     def make(
         self,
@@ -284,8 +329,29 @@ class Frontier(Scoping):
         k0, k1 = keys.child(plain.k0, plain.k1, site, *copies)
         numbers = np.arange(start, start + count, dtype=np.int32)
         made = Shapes(count, numbers, k0, k1, plain.rule, plain.params, plain.state)
-        self.pending.put(symbol, self.following, made)
+        self._wait(symbol, made if site == keys.CHOICE_SITE else self._noted(symbol, made))
         return Made(start, count, rows)
+
+    def _noted(self, symbol: int, shapes: Shapes) -> Shapes:
+        """Shapes that queries can tell apart, or that ask, stand in rows of their own."""
+        noted = self.marks_of(symbol)
+        if noted is None:
+            return shapes
+        own = dict(zip(self.fields, shapes.state, strict=True))
+        words = (shapes.k0, shapes.k1, OWN, ())
+        own[MARK] = self.mark(noted[0], shapes.count, noted[1], 0.0, own, words, None)
+        return replace(shapes, state=tuple(own.values()))
+
+    def _wait(self, symbol: int, shapes: Shapes) -> None:
+        """Put shapes where their phase is waited for."""
+        if PHASE not in self.fields:
+            self.pending.put(symbol, self.following, shapes)
+            return
+        phase = shapes.state[self.fields.index(PHASE)]
+        for each in np.unique(phase).tolist():
+            own = shapes if np.ndim(phase) == 0 else shapes.take(np.flatnonzero(phase == each))
+            waits = self.pending if each <= self.phase else self._later.setdefault(each, Pending())
+            waits.put(symbol, self.following, own)
 
     def _is_barren(self, symbol: int) -> bool:
         """Whether the shapes of a symbol that are made now will never draw nor be rewritten."""

@@ -43,9 +43,14 @@ def derive_frontier(
     bound = Bound(program, attrs, FUNCTIONS)
     initial = fields(program)
     frontier = Frontier(bound, initial, limits, steps_of(bound, seed))
+    again = frontier.asked is not None and frontier.asked.occlusion
     with np.errstate(all="ignore"):  # what is not finite is an error, not a warning
         try:
             frontier.run(seed)
+            if again:
+                answers = frontier.occluders()
+                frontier = Frontier(bound, initial, limits, steps_of(bound, seed), answers)
+                frontier.run(seed)
         except UnscannableError:
             if program.scoped:
                 raise fail(
@@ -64,6 +69,7 @@ def derive_frontier(
             initial,
             frontier.grouping,
             frontier.laying,
+            frontier.joining,
             frontier.pool,
         )
     made = scene(

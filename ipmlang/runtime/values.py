@@ -47,6 +47,16 @@ class Measures(Protocol):
     def measure(self, what: str, sx: Value, sy: Value, sz: Value, geometry: Value) -> Value:
         """The area, the volume or the number of sides of geometries."""
 
+    def ask(
+        self,
+        name: str,
+        count: int,
+        args: Sequence[Value],
+        state: Mapping[str, Value],
+        shown: Whole | None,
+    ) -> Value:
+        """The answers to a query about other shapes."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scope:
@@ -131,6 +141,11 @@ class Batch:
             case "state":
                 assert self.scope is not None
                 return self.scope.state.get(str(each.const), -1.0)
+            case "query":
+                assert self.scope is not None
+                args = [self.get(register) for register in each.args]
+                asked = (str(each.const), self.count, args, self.scope.state, None)
+                return self.scope.measures.ask(*asked)
             case "measure":
                 assert self.scope is not None
                 return self.scope.measured(str(each.const))

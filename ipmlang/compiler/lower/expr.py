@@ -16,6 +16,8 @@ from ipmlang.compiler.diagnostics import IpmError
 from ipmlang.compiler.lower.names import Unit
 from ipmlang.compiler.ops import CONSTANTS, FUNCTIONS, OPERATORS, PREFIXES, QUERIES
 
+QUERY_SITE = 0x38000000  # queries are numbered apart: a new one leaves all draws as they were
+
 
 @dataclass(frozen=True, slots=True)
 class Known:
@@ -77,12 +79,13 @@ class Pool:
 
 @dataclass(slots=True, eq=False)
 class Counter:
-    """The next register and the next site of one production. `changes`: for the site of a module
-    behind a `set`, the registers of the attributes' new values.
+    """The next register and the next site of one production, and how many queries it has.
+    `changes`: for the site of a module behind a `set`, the registers of the attributes' new values.
     """
 
     register: int = 0
     site: int = 0
+    queries: int = 0
     changes: dict[int, dict[int, int]] = field(default_factory=dict)
 
 
@@ -167,6 +170,12 @@ class Code:
     def measure(self, what: str) -> Operand:
         """A measure of the shape's geometry, as it is here."""
         return self._append("measure", const=what)
+
+    def query(self, name: str, args: Sequence[Operand]) -> Operand:
+        """What other shapes say, as it is asked here."""
+        self.counter.queries += 1
+        registers = tuple(self.register(arg) for arg in args)
+        return self._append("query", registers, name, QUERY_SITE + self.counter.queries)
 
     def number(self, value: float) -> Operand:
         """A known number."""
@@ -305,6 +314,8 @@ class Code:
             if isinstance(item, ast.Function):
                 own = dict(zip((each.name for each in item.parameters), args, strict=True))
                 return self._inlined(expr, place.unit, place.item, item.value, own)
+        if expr.name in QUERIES and QUERIES[expr.name].ready:
+            return self.query(expr.name, args)
         if expr.name not in FUNCTIONS:
             message = f"the function `{expr.name}` is not executable yet"
             raise self.error(expr.span, "not-executable", message)

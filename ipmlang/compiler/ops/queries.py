@@ -1,6 +1,6 @@
-"""Queries: names and functions that ask where a shape stands. Records only; executors answer them.
+"""Queries: names and functions that ask where a shape stands, and about other shapes.
 
-None is answered yet except what a record marks as ready.
+Records only; executors answer them: none is answered yet but those that are marked as ready.
 """
 
 from __future__ import annotations
@@ -8,7 +8,6 @@ from __future__ import annotations
 from ipmlang.compiler.ops.record import Family, Param, Query, ValueType
 
 HERE = "here"  # `here.mask` is the context `mask` where the walker stands, not where it goes
-_LABEL = (Param("label", "any", optional=True),)
 
 
 def _names(family: Family, kind: ValueType, docs: dict[str, str]) -> tuple[Query, ...]:
@@ -52,20 +51,77 @@ NAMES = (
     }),
 )  # fmt: skip
 
+FAR = 1e9  # what `distance` gives where there is no such shape
+
+_WITHIN = Param("within", "string", optional=True)
+
+
+def _asked(
+    name: str,
+    result: ValueType,
+    doc: str,
+    params: tuple[Param, ...],
+    examples: tuple[str, ...],
+    refused: tuple[str, ...],
+) -> Query:
+    return Query(name, doc, result, "scope", params, ready=True, examples=examples, refused=refused)
+
+
+_PASSES = (
+    " A program that asks is derived twice: the first time the answer is {first}, the second time "
+    "it is about what the first made, so that it does not depend on the order of rules. A shape "
+    "is never tested against itself, what it descends from, or what descends from it."
+)
+_OTHERS = (
+    " Without a label all shapes are meant that are drawn or were given a label with `label`; with "
+    "one, those that were given it, and those whose symbol is called so."
+)
+_PHASES = " It is about shapes of phases before the one that asks (see `phase`)"
+
 FUNCTIONS = (
-    Query("inside", "Whether the shape lies inside another one (of a label).", "bool", "scope",
-          _LABEL, examples=('inside("tower")', "inside()"), refused=("inside(1, 2)",)),
-    Query("overlaps", "Whether the shape overlaps another one (of a label).", "bool", "scope",
-          _LABEL, examples=('overlaps("tree")',), refused=("overlaps(1, 2)",)),
-    Query("touches", "Whether the shape touches another one (of a label).", "bool", "scope",
-          _LABEL, examples=('touches("wall")',), refused=("touches(1, 2)",)),
-    Query("distance", "The distance to the nearest shape of a label.", "number", "scope",
-          (Param("label", "string"),), examples=('distance("street")',),
-          refused=("distance()", "distance(1)")),
-    Query("count", "How many shapes of a label earlier phases made.", "int", "scope",
-          (Param("label", "string"),), examples=('count("door")',), refused=("count(1)",)),
-    Query("total", "The sum that earlier phases reported under a key.", "number", "scope",
-          (Param("key", "string"),), examples=('total("storeys")',), refused=("total(1)",)),
+    _asked("inside", "bool",
+           "Whether all of the shape lies within another one that is closed, or in its plane "
+           "within a polygon; the boundary belongs to it." + _OTHERS + _PASSES.format(first="no"),
+           (Param("label", "string", optional=True),),
+           ('inside("tower")', "inside()"), ("inside(1)", 'inside("a", "b")')),
+    _asked("overlaps", "bool",
+           "Whether the shape and another one have more than boundary in common: volume, area of "
+           "one plane, or a polygon that passes through." + _OTHERS + _PASSES.format(first="no"),
+           (Param("label", "string", optional=True),), ('overlaps("tree")',), ("overlaps(1, 2)",)),
+    _asked("touches", "bool",
+           "Whether the shape and another one have boundary in common and nothing more, to 1e-9 "
+           "of their size." + _OTHERS + _PASSES.format(first="no"),
+           (Param("label", "string", optional=True),), ('touches("wall")',), ("touches(1, 2)",)),
+    _asked("distance", "number",
+           "The distance to the nearest shape of a label, 0 where they overlap, and 1e9 where "
+           "there is none." + _PASSES.format(first="1e9"),
+           (Param("label", "string"),), ('distance("street")',), ("distance()", "distance(1)")),
+    _asked("count", "int",
+           "How many shapes of a label there are; with a second label only those that descend "
+           "from the same shape of that label as this one." + _PHASES + ".",
+           (Param("label", "string"), _WITHIN), ('count("door")', 'count("door", "facade")'),
+           ("count(1)", "count()")),
+    _asked("total", "number",
+           "The sum that was reported under a key; with a label only by what descends from the "
+           "same shape of that label as this one." + _PHASES + ".",
+           (Param("key", "string"), _WITHIN), ('total("storeys")', 'total("area", "tower")'),
+           ("total(1)",)),
+    _asked("rank", "int",
+           "The number, from 0, of this shape among all of a label: of the nearest one that it is "
+           "or descends from, in an order drawn from the seed; -1 where it has none. So "
+           '`rank("bay") == 0` holds for exactly one. With a second label only those count that '
+           "descend from the same shape of that label." + _PHASES + ".",
+           (Param("label", "string"), _WITHIN), ('rank("bay") == 0', 'rank("bay", "facade")'),
+           ("rank()", "rank(1)")),
+    _asked("share", "int",
+           "This shape's part of a whole number that is dealt out to all that reported under a "
+           "key, in proportion to what each reported: whole numbers that add up to it exactly. 0 "
+           "for a shape that neither reported nor descends from one that did. With a label it is "
+           "dealt out among what descends from the same shape of that label." + _PHASES + ".",
+           (Param("key", "string"), Param("whole"), _WITHIN),
+           ('share("wish", 30)', 'share("wish", 30, "block")'), ('share("wish")', "share(1, 2)")),
 )  # fmt: skip
+
+OCCLUSION = frozenset({"inside", "overlaps", "touches", "distance"})  # what takes two passes
 
 TABLE = NAMES + FUNCTIONS

@@ -108,16 +108,19 @@ FLOW = (
     scoped("tag", "Give the shape's faces a tag that `comp` can select by.",
             ((Param("name", "string"),),), ('tag("street") Wall',), ("tag", "tag(1)"),
             effect="structure", act="solid"),
-    scoped("label", "Give the shape a label that queries can ask for.",
+    scoped("label", "Give the shape a label that queries can ask for, with the geometry that it "
+            "has here. A shape's symbol is a label of it, too.",
             ((Param("name", "string"),),), ('label("door") Door',), ("label(3)",),
             effect="structure", meaning=(Step("pen", ("name",), "label"),)),
     scoped("report", "Add a number to the report's sum under a key.",
             ((Param("key", "string"), Param("value")),), ('report("area", 12) Wall',),
             ('report("area")', 'report("area", "big")'), effect="structure", act="report"),
-    scoped("phase", "Expand what follows only when all shapes of earlier phases are done, so "
-                     "that it "
-            "can ask for totals.", ((Param("number", "int"),),), ("phase(2) Door",), ("phase",),
-            effect="structure"),
+    scoped("phase", "Expand the shapes that follow, and all that they make, only when all of "
+            "earlier phases are done: their guards and bodies can ask for `count`, `total`, "
+            "`rank` and `share` of what those made. Phases have numbers; a derivation starts in "
+            "phase 1, and a shape never goes back to an earlier one.",
+            ((Param("number", "int", above=0),),), ("phase(2) Door",),
+            ("phase", "phase(0)", "phase(1.5)"), effect="structure", act="phase"),
 )  # fmt: skip
 
 LOOK = (
