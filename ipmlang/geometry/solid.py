@@ -180,7 +180,9 @@ def bounds(solid: Solid) -> tuple[Floats, Floats]:
     return solid.vertices.min(axis=0), solid.vertices.max(axis=0)
 
 
-def placed(solid: Solid, scale: Floats | Sequence[float], offset: Floats | Sequence[float]) -> Solid:
+def placed(
+    solid: Solid, scale: Floats | Sequence[float], offset: Floats | Sequence[float]
+) -> Solid:
     """The solid scaled along the axes (factors of at least 0), then moved."""
     return replace(solid, vertices=solid.vertices * np.asarray(scale) + np.asarray(offset))
 

@@ -73,7 +73,7 @@ def apart(use: Apart) -> list[Batched]:
         return _by_row(use, lambda row: _scattered(use, row))
     sizes = [use.state[name] for name in SIZES]
     kinds = table(use.shown, given.count, use.state["geo"], *sizes, *given.args)
-    if given.name == "comp" and _all_boxes(use):
+    if given.name == "comp" and _all_boxes(use) and _of_faces(given):
         return _boxes_apart(use)
     found = []
     for number, sx, sy, sz, *args in kinds.rows():
@@ -82,6 +82,10 @@ def apart(use: Apart) -> list[Batched]:
             made = _taken_apart(use, int(number), np.array((sx, sy, sz)), given.resolved(args))
         found.append(made)
     return _spread(use, kinds, found)
+
+
+def _of_faces(given: Given) -> bool:
+    return not given.args or given.word(0) in (None, "faces")
 
 
 def _all_boxes(use: Apart) -> bool:
@@ -348,6 +352,8 @@ def _setback(
 ) -> list[Piece]:
     from ipmlang.geometry.setbacks import setback
 
+    if area is not None and distance == 0 and front is side is back is None:
+        distance = 1.0  # the area says how far; all edges move alike
     return setback(solid, _given(distance), front=_maybe(front), side=_maybe(side),
                    back=_maybe(back), area=_maybe(area))  # fmt: skip
 

@@ -126,10 +126,7 @@ class Scoping(Copying):
             return low, length, NOTHING
         own = axis if axis < 3 else 0
         if axis == 3:
-            from ipmlang.geometry.areas import area_bounds
-
-            solid = self.pool.local(number, size)
-            low, length = self._tried(lambda: area_bounds(solid, low, length))
+            low, length = self._between_areas(number, low, length, size)
         extent = float(size[own])
         key = ("slab", number, own, low / extent, length / extent, tuple(size <= 0))
 
@@ -146,6 +143,21 @@ class Scoping(Copying):
         found = self.pool.derived(key, lambda: self._tried(make))
         assert isinstance(found, int)
         return low, length, float(found)
+
+    def _between_areas(
+        self, number: int, low: float, length: float, size: Floats
+    ) -> tuple[float, float]:
+        """Where along x the part begins and how long it is that has so much area before it, and so
+        much of its own.
+        """
+        from ipmlang.geometry.areas import area_cuts
+
+        solid = self.pool.local(number, size)
+        try:
+            _, begin, end = area_cuts(solid, "x", (low, length)).tolist()
+        except GeometryError as error:
+            raise self._failed(error) from error
+        return begin, end - begin
 
     def _cut_boxes(
         self, axis: int, low: Column, size: Column, extent: Column, geometry: Column, count: int

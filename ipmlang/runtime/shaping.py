@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from ipmlang.compiler import ir
 from ipmlang.compiler.ops import OPERATIONS
+from ipmlang.compiler.ops.record import Param
 from ipmlang.geometry.solid import BOX_TAGS, Floats, GeometryError, Solid, tagged
 from ipmlang.runtime import boxes
 from ipmlang.runtime.algebra import cosine_and_sine
@@ -53,14 +54,19 @@ class Given:
         self.count = count
         self.world = WORLD.get(name, "")
         self.turns = name in TURNING
-        self._texts = _texts(name, len(args))
+        self._params = _params(name, len(args))
 
     def resolved(self, values: Sequence[float]) -> list[Value]:
         """The arguments of one shape: texts instead of their numbers, None where not given."""
-        return [
-            None if math.isnan(value) else self.program.strings[int(value)] if text else value
-            for value, text in zip(values, self._texts, strict=True)
-        ]
+        return [self._one(*each) for each in zip(self._params, values, strict=True)]
+
+    def _one(self, param: Param, value: float) -> Value:
+        if not math.isfinite(value):
+            if param.optional and math.isnan(value):
+                return None
+            raise GeometryError(f"`{param.name}` of `{self.name}` is not a finite number")
+        text = bool(param.words) or param.type == "string"
+        return self.program.strings[int(value)] if text else value
 
     def word(self, place: int) -> str | None:
         """A text that is the same for all shapes; None where it is not given."""
@@ -70,12 +76,9 @@ class Given:
         return None if np.isnan(found[0]) else self.program.strings[int(found[0])]
 
 
-def _texts(name: str, count: int) -> tuple[bool, ...]:
-    """Which parameters of an operation's form are texts."""
-    for form in OPERATIONS[name].forms:
-        if len(form) == count:
-            return tuple(bool(each.words) or each.type == "string" for each in form)
-    return (False,) * count
+def _params(name: str, count: int) -> tuple[Param, ...]:
+    """The parameters of the form of an operation that has so many."""
+    return next(form for form in OPERATIONS[name].forms if len(form) == count)
 
 
 def _number(value: Value, default: float = 0.0) -> float:

@@ -12,7 +12,8 @@ from ipmlang.compiler.ops.scope import number, scoped, words
 
 _SIDES = (
     "front", "back", "left", "right", "side", "top", "bottom", "vertical", "horizontal", "aslant",
-    "inside", "all", "eave", "ridge", "slope", "gable", "border", "*", '""',
+    "inside", "all", "eave", "ridge", "hip", "valley", "slope", "gable", "lower", "upper",
+    "border", "*", '""',
 )  # fmt: skip
 _ARMS = ("shape", "rest", "remainder")
 
