@@ -81,9 +81,7 @@ def next_contacts(
     length = (front.x[front.on] - front.x) * front.dx + (front.y[front.on] - front.y) * front.dy
     growth = (front.vx[front.on] - front.vx) * front.dx
     growth += (front.vy[front.on] - front.vy) * front.dy
-    shrinks = growth < -STILL
-    waits = np.full(len(length), inf)
-    waits[shrinks] = np.maximum(length[shrinks], 0) / -growth[shrinks]
+    waits = np.where(growth < -STILL, np.maximum(length, 0) / np.maximum(-growth, STILL), inf)
     closing = int(waits.argmin())
     wait = float(waits[closing])
     sunk = _Sinking(front, length, growth, reach)
@@ -92,7 +90,8 @@ def next_contacts(
         wait = hit[0]
     if wait == inf:
         return None
-    pairs = {int(k): int(front.on[k]) for k in np.flatnonzero(length + wait * growth <= reach)}
+    (short,) = (length + wait * growth <= reach).nonzero()
+    pairs = dict(zip(short.tolist(), front.on[short].tolist(), strict=True))
     touches = sunk.touches(wait)
     if hit is None:
         pairs[closing] = int(front.on[closing])
@@ -106,7 +105,7 @@ class _Sinking:
 
     def __init__(self, front: _Front, length: Floats, growth: Floats, reach: float) -> None:
         self.front, self.length, self.growth, self.reach = front, length, growth, reach
-        self.rows = np.flatnonzero(front.turn < FLAT)
+        (self.rows,) = (front.turn < FLAT).nonzero()
         rows = self.rows
         if not len(rows):
             return
@@ -126,12 +125,12 @@ class _Sinking:
         if before < inf:
             falls &= self.height <= -self.rise * before
         falls &= (front.turn[self.rows] < STILL)[:, None]
-        row, segment = np.nonzero(falls & (self.height < inf))
+        row, segment = (falls & (self.height < inf)).nonzero()
         if not len(row):
             return None
         wait = np.maximum(self.height[row, segment] / -self.rise[row, segment], 0)
         along, length = self._along(self.rows[row], segment, wait)
-        on = np.flatnonzero((along >= -reach) & (along <= length + reach) & (length >= -reach))
+        (on,) = ((along >= -reach) & (along <= length + reach) & (length >= -reach)).nonzero()
         if not len(on):
             return None
         at = int(on[wait[on].argmin()])
@@ -142,9 +141,7 @@ class _Sinking:
         """All corners that lie on segments after a wait."""
         if not len(self.rows):
             return []
-        with np.errstate(invalid="ignore"):
-            near = np.abs(self.height + wait * self.rise) <= self.reach
-        row, segment = np.nonzero(near)
+        row, segment = (np.abs(self.height + wait * self.rise) <= self.reach).nonzero()
         if not len(row):
             return []
         corner = self.rows[row]
