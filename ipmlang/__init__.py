@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from ipmlang.inverse import Inference, Weights
     from ipmlang.runtime.scene import Scene
 
-__all__ = ["Grammar", "IpmError", "infer", "load", "parse", "save"]
+__all__ = ["Grammar", "IpmError", "infer", "load", "parse", "render", "save"]
 __version__ = "0.1.0"
 
 
@@ -123,6 +123,30 @@ def infer(
         paper=paper,
         explain=explain,
     )
+
+
+def render(
+    scene: Scene,
+    path: str | Path,
+    *,
+    size: tuple[int, int] | None = None,
+    view: str = "iso",
+    ground: bool = True,
+    background: str = "studio",
+    lines: bool = False,
+    turntable: int | None = None,
+) -> None:
+    """Draw a picture of a scene, lit and seen through a camera; the suffix says which format.
+
+    `view`: front, back, left, right, top, iso, or "AZIMUTH,ELEVATION" in degrees; `turntable`: so
+    many pictures all around it, in one .webp, .gif or .apng, or in name-%03d.png. Raises IpmError,
+    also where there is no OpenGL; then it names the packages to install.
+    """
+    from ipmlang.studio import Look, draw
+    from ipmlang.studio.look import parse_background, parse_view
+
+    look = Look(size, parse_view(view), ground, parse_background(background), lines)
+    draw(scene, look, Path(path), turntable)
 
 
 def save(scene: Scene, path: str | Path) -> None:

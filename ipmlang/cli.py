@@ -1,5 +1,5 @@
 """The commands `run`, `check` and `fmt`, and where all commands come together: the only code that
-exits. `infer`, `edit` and `vary` stand in files of their own.
+exits. `infer`, `edit`, `vary` and `render` stand in files of their own.
 
 Each command reads files, calls the library, and prints either a few lines for a person or, with
 `--json`, one object for a machine. Exit codes: 0 fine, 1 the user's file is wrong, 2 the command is
@@ -20,6 +20,7 @@ import click
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail
 from ipmlang.edit_commands import edit
 from ipmlang.infer_command import infer_file
+from ipmlang.render_command import render_file
 from ipmlang.telling import findings_record, show, working
 from ipmlang.vary_command import vary_file
 
@@ -86,6 +87,7 @@ def commands() -> None:
 commands.add_command(infer_file)
 commands.add_command(edit)
 commands.add_command(vary_file)
+commands.add_command(render_file)
 
 
 @commands.command()
@@ -172,7 +174,9 @@ def run(
     for note in scene.notes:
         click.echo(f"note: {note}", err=True)
     with working(f"writing {output.name}"):
-        save(scene, output, instancing=instancing)
+        notes = save(scene, output, instancing=instancing)
+    for note in notes:
+        click.echo(f"note: {note}", err=True)
     report = run_report(scene, derived - started, time.process_time() - derived, output)
     if as_json:
         click.echo(json.dumps(report))

@@ -1,0 +1,4 @@
+#version 330
+// Depth alone, of what is solid.
+
+void main() {}
