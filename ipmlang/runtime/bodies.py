@@ -17,10 +17,10 @@ from ipmlang.runtime.algebra import Operand, Source
 from ipmlang.runtime.code import INFIX, Names, expression, source
 from ipmlang.runtime.fields import IDENTITY, UNSET
 from ipmlang.runtime.grouping import FIELD
+from ipmlang.runtime.joins import FIELD as JOIN
 from ipmlang.runtime.laying import FIELD as UV
 from ipmlang.runtime.marks import FIELD as MARK
 from ipmlang.runtime.marks import PHASE
-from ipmlang.runtime.joins import FIELD as JOIN
 from ipmlang.runtime.primitives import UnscannableError
 from ipmlang.runtime.scene import SCOPE, SEGMENT
 

@@ -19,6 +19,9 @@ from ipmlang.runtime.assemble import TEXT_FIELDS, Rows
 from ipmlang.runtime.bodies import OWN
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.grouping import FIELD, Grouping
+from ipmlang.runtime.joining import with_joined
+from ipmlang.runtime.joins import FIELD as JOIN
+from ipmlang.runtime.joins import Joining
 from ipmlang.runtime.keys import Words
 from ipmlang.runtime.laying import FIELD as UV
 from ipmlang.runtime.laying import Laying
@@ -72,6 +75,7 @@ def rows(
     initial: dict[str, float],
     grouping: Grouping,
     laying: Laying,
+    joining: Joining,
     pool: Pool,
 ) -> Rows:
     """All drawings in the order of their places (n,); `initial` are the state's fields,
@@ -90,8 +94,10 @@ def rows(
     color = columns.field("color", np.int32, -1)
     group = columns.field(FIELD, np.int32, -1)
     way = columns.field(UV, np.int32, -1)
+    part = columns.field(JOIN, np.int32, -1)
     asset = columns.filled(np.int32, lambda chunk: chunk.asset)
     shape = constant(-1, count, np.int32)
+    geometry = constant(0.0, count, np.float64)
     if "geo" in initial:
         geometry = columns.field("geo", np.float64, 0.0)
         if not pool.only_boxes:
@@ -100,7 +106,7 @@ def rows(
     position = columns.table([*("xy" if "angle" in initial else "xyz")], 3)
     rotation = _rotation(columns, count, "angle" in initial)
     size = columns.sizes()
-    return Rows(
+    made = Rows(
         position,
         rotation,
         scale,
@@ -117,6 +123,7 @@ def rows(
         grouping.groups(program, group),
         laying.maps(way),
     )
+    return with_joined(made, part, geometry, joining, pool) if joining.met else made
 
 
 def _rotation(columns: _Columns, count: int, planar: bool) -> NDArray[np.float64]:

@@ -106,7 +106,7 @@ def _reached(program: ir.Program) -> list[ir.Symbol]:
     waiting = [program.axiom.body]
     while waiting:
         for each in waiting.pop():
-            if each.op == "repeat":
+            if each.op in ("repeat", "join", "part"):
                 waiting.append(each.body)
             if each.op != "module" or each.const in found:
                 continue

@@ -105,6 +105,10 @@ class Pool:
             self._bounds[asset] = bounds(self._load(asset))
         return self._bounds[asset]
 
+    def as_file(self, asset: int) -> Solid:
+        """An asset's geometry, as its file has it."""
+        return self._load(asset)
+
     def derived(self, key: object, make: Callable[[], object]) -> object:
         """What follows from geometries, computed once."""
         if key not in self._derived:

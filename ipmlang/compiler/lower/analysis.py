@@ -90,7 +90,7 @@ class Analysis:
                 inner, start = self._read(each.body, again)
                 threads |= inner
                 live |= start
-            elif each.op in ("slab", "pieces", "part"):
+            elif each.op in ("slab", "pieces", "part", "join"):
                 threads |= self._read(each.body, live=False)[0]
                 live = True
         return threads, live

@@ -171,6 +171,9 @@ class Body:
 
     def _block(self, code: Code, block: ast.Block, names: Environment) -> None:
         record = self._namer.operation(code.unit, block.name)
+        if record is not None and record.meaning and record.meaning[0][0].op == "join":
+            self._join(code, record.name, block, names)
+            return
         if record is not None and record.family == "solid" and record.meaning:
             self._pieces(code, block.name, block.args, block.parts, block.span, names)
             return
@@ -184,6 +187,15 @@ class Body:
         for part in block.parts:
             self.write(code, part.body, names)
         code.module(closes, (), block.span)
+
+    def _join(self, code: Code, kind: str, block: ast.Block, names: Environment) -> None:
+        """An operation that makes one solid of what its parts draw."""
+        outer = code.block()
+        for part in block.parts:
+            inner = outer.block()
+            self.write(inner, part.body, names)
+            outer.structure("part", (), None, inner, part.span)
+        code.structure("join", (), kind, outer, block.span)
 
     def _reach(
         self, code: Code, bodies: Sequence[Sequence[ast.Element]], names: Environment
