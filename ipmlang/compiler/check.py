@@ -26,6 +26,7 @@ from ipmlang.compiler.checking.findings import Findings, Key
 from ipmlang.compiler.checking.groups import Group, check_groups
 from ipmlang.compiler.checking.items import check_item, entry_of
 from ipmlang.compiler.checking.nearby import glued, near_misses
+from ipmlang.compiler.checking.queries import check_asked, given_by
 from ipmlang.compiler.diagnostics import Diagnostic, Label
 from ipmlang.compiler.load import Loaded
 from ipmlang.compiler.ops import OPERATIONS
@@ -60,11 +61,13 @@ def check(loaded: Loaded, cache: Cache | None = None) -> Checked:
 
 def _check(loaded: Loaded, cache: Cache) -> Checked:
     groups = _groups(loaded, cache)
+    given = given_by(groups)
     diagnostics: list[Diagnostic] = []
     for number, group in enumerate(groups):
         found = [*group.file.problems, *_item_troubles(group)]
         found += check_groups(group, main=number == 0)
         found += check_values(group)
+        found += check_asked(group, given)
         found += _near_misses(group)
         if number == 0:
             found += _endless(group, cache)

@@ -92,6 +92,7 @@ class Writer:
                 continue
             if each.op == "open":
                 saved.append(dict(state))
+                state = questions.began(self, questions.inside(elements, number), scope, state)
                 if self._quiet:  # what a bracket restores need not be walked
                     passed = self._bracket_end(elements, number)
             elif each.op == "close":
@@ -423,7 +424,7 @@ class Writer:
             own, after = self._walked(state, step, start, own, counts, owner)
         if not quiet:
             outer, self.slots = self.slots, []
-            self.body(each.body, inner, own)
+            self.body(each.body, inner, questions.began(self, each.body, inner, own))
             slots, self.slots = self._values(self.slots), outer
             self.slots.append(f"Copies({counts}, {owner}, {slots})")
         return after

@@ -7,7 +7,7 @@ way in every pass of a derivation. Nothing is answered here.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -86,13 +86,15 @@ def _all(code: tuple[ir.Instruction, ...]) -> Iterator[ir.Instruction]:
         yield from _all(each.body)
 
 
-def first_query(code: tuple[ir.Instruction, ...]) -> ir.Instruction | None:
-    """The first query of a body that is about its own shape, not about a part of it."""
+def first_query(code: Sequence[ir.Instruction]) -> ir.Instruction | None:
+    """The first query of a body that is about its own shape: not in a part of it, in a copy or in a
+    bracket.
+    """
+    depth = 0
     for each in code:
-        if each.op == "query":
+        depth += (each.op == "open") - (each.op == "close")
+        if each.op == "query" and depth == 0:
             return each
-        if each.op == "repeat" and (found := first_query(each.body)) is not None:
-            return found
     return None
 
 

@@ -30,11 +30,23 @@ def answered(
 
 
 def began(writer: Writer, body: Sequence[ir.Instruction], scope: Scope, state: State) -> State:
-    """A part of a shape begins; one that asks is a shape of its own."""
-    query = first_query(tuple(body)) if FIELD in state else None
+    """A part of a shape begins, a copy or a bracket; one that asks is a shape of its own."""
+    if FIELD not in state or writer._quiet:
+        return state
+    query = first_query(body)
     if query is None:
         return state
     return _noted(writer, ASKING, -1.0, 0.0, scope, query.site, state)
+
+
+def inside(elements: Sequence[ir.Instruction], begin: int) -> Sequence[ir.Instruction]:
+    """What stands in the bracket that opens at an element."""
+    depth = 0
+    for number in range(begin, len(elements)):
+        depth += (elements[number].op == "open") - (elements[number].op == "close")
+        if depth == 0:
+            return elements[begin + 1 : number]
+    return elements[begin + 1 :]
 
 
 def known(

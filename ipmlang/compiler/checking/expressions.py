@@ -13,6 +13,7 @@ from typing import assert_never
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.checked import ValueEntry
+from ipmlang.compiler.checking.asked import note_asked
 from ipmlang.compiler.checking.environment import View
 from ipmlang.compiler.checking.findings import Findings
 from ipmlang.compiler.diagnostics import nearest
@@ -282,6 +283,7 @@ def _call(scope: Scope, call: ast.Call) -> ValueType:
     if query is not None and query.params is not None:
         if not query.ready:
             scope.findings.not_ready.append((call.name, call.span))
+        note_asked(scope.findings, query, call)
         _arguments(scope, call, query.params)
         return query.result
     if entry is not None and entry.kind == "broken":

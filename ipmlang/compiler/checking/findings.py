@@ -35,8 +35,9 @@ class Findings:
     operations that no executor runs yet. `result`: the type of a constant's or function's value.
     `edges`: the symbols called, each with whether for certain. `odd`: those of them that are given
     something else than numbers; `asks`: some parameter must be something else than a number.
-    `references`: files looked for. `answers`: what was looked up, with the answer it got; the
-    findings hold while these hold.
+    `given`: labels, keys of reports and phases, with their texts where they are known; `asked`:
+    those that queries name. `references`: files looked for. `answers`: what was looked up, with the
+    answer it got; the findings hold while these hold.
     """
 
     troubles: list[Diagnostic] = field(default_factory=list)
@@ -50,6 +51,8 @@ class Findings:
     edges: tuple[tuple[Key, bool], ...] = ()
     odd: frozenset[Key] = frozenset()
     asks: bool = False
+    given: set[tuple[str, str | None]] = field(default_factory=set)
+    asked: list[tuple[str, str, ast.Span]] = field(default_factory=list)
     references: tuple[str, ...] = ()
     answers: dict[tuple[str, str], object] = field(default_factory=dict)
 

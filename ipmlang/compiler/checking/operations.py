@@ -11,6 +11,7 @@ from dataclasses import replace
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.checking.arguments import check_arguments
+from ipmlang.compiler.checking.asked import note_given
 from ipmlang.compiler.checking.expressions import Scope
 from ipmlang.compiler.diagnostics import nearest
 from ipmlang.compiler.ops import OPERATIONS, Operation
@@ -42,6 +43,7 @@ def use_operation(
 ) -> None:
     """Check one use of an operation; `parts` is None where it stands without braces."""
     check_arguments(scope, record, name, args, span)
+    note_given(scope.findings, record, args)
     if not record.meaning:
         scope.findings.not_ready.append((name, ast.Span(span.start, span.start + len(name))))
     example = f"for example {record.examples[0]}" if record.examples else None

@@ -94,7 +94,8 @@ class Code:
 
     `unit` and `item` are where names are looked up and errors are reported. A block within another
     reads its registers; constants, parameters and attributes are loaded once a block. `changed`:
-    the attributes that a `set` has changed for what is written next.
+    the attributes that a `set` has changed for what is written next; `shaped`: there is a shape
+    that queries are about.
     """
 
     def __init__(
@@ -108,6 +109,7 @@ class Code:
         self.pool = pool
         self.unit = unit
         self.item = item
+        self.shaped: bool = outer.shaped if outer is not None else _is_body(unit, item)
         self.counter = counter or Counter()
         self.instructions: list[ir.Instruction] = []
         self.changed: dict[int, Operand] = {} if outer is None else dict(outer.changed)
@@ -291,6 +293,7 @@ class Code:
                 case _:
                     pass
         if expr.id in QUERIES and QUERIES[expr.id].ready:
+            self._check_shape(expr.span, expr.id)
             return self._asked(expr.id)
         if expr.id in CONSTANTS:
             return Known(CONSTANTS[expr.id][0])
@@ -315,11 +318,21 @@ class Code:
                 own = dict(zip((each.name for each in item.parameters), args, strict=True))
                 return self._inlined(expr, place.unit, place.item, item.value, own)
         if expr.name in QUERIES and QUERIES[expr.name].ready:
+            self._check_shape(expr.span, expr.name)
             return self.query(expr.name, args)
         if expr.name not in FUNCTIONS:
             message = f"the function `{expr.name}` is not executable yet"
             raise self.error(expr.span, "not-executable", message)
         return self.call(expr.name, args)
+
+    def _check_shape(self, span: ast.Span, name: str) -> None:
+        if not self.shaped:
+            raise self.error(
+                span,
+                "no-shape",
+                f"`{name}` asks about a shape, and where this is computed there is none yet",
+                hint="ask in a rule",
+            )
 
     def _ordered(self, expr: ast.Call) -> list[ast.Argument]:
         """Arguments in the order of the function's parameters."""
@@ -352,3 +365,8 @@ class Code:
         finally:
             self.unit, self.item = here
             self._inlining.pop()
+
+
+def _is_body(unit: Unit, item: int) -> bool:
+    """Whether code of an item belongs to a rule or a start."""
+    return item >= 0 and isinstance(unit.grammar.items[item], ast.Rule | ast.Start)

@@ -54,6 +54,7 @@ class Lowering:
         steps = None
         if start.steps is not None:
             code = Code(self._pool, self._main, number)
+            code.shaped = False
             register = code.register(code.value(start.steps, {}))
             steps = (tuple(code.instructions), register)
         ignored = self._ignored()

@@ -163,6 +163,7 @@ def ground(pool: Pool, unit: Unit, number: int, place: ast.Place | None) -> ir.G
         file, _, node = place.reference.partition("#")
         return ir.Ground("file", path=(unit.folder / file).absolute(), node=node or None)
     code = Code(pool, unit, number)
+    code.shaped = False
     width = 3
     exprs: list[ast.Expr] = list(place.args)
     if place.kind == "polygon":
