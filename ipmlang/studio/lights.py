@@ -21,7 +21,7 @@ BOUNCE = np.array([1.0, 0.97, 0.93]) * 0.34
 """Linear light on a surface that faces the sun, lies under the whole sky, faces the lit ground."""
 
 _SUN_AZIMUTH, _SUN_ELEVATION = -62.0, 44.0  # degrees, the azimuth from the camera's own
-_SUN_RADIUS = 0.026  # tangent of half the angle that the sun spans: wider than the real one
+_SUN_RADIUS = 0.018  # tangent of half the angle that the sun spans: wider than the real one
 _LOWEST = 0.10  # sine of the lowest light of the sky
 _GOLDEN = np.pi * (3 - np.sqrt(5))
 
