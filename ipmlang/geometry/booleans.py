@@ -16,6 +16,7 @@ from ipmlang.geometry.converting import reversed_normals
 from ipmlang.geometry.merging import merged_faces
 from ipmlang.geometry.sharing import first_at_place
 from ipmlang.geometry.solid import (
+    Floats,
     GeometryError,
     Indices,
     Solid,
@@ -23,6 +24,7 @@ from ipmlang.geometry.solid import (
     solid_of,
     volume,
 )
+from ipmlang.geometry.touching import GAP, drawn_apart
 from ipmlang.geometry.triangles import triangles
 
 if TYPE_CHECKING:
@@ -53,22 +55,23 @@ def boolean(parts: Sequence[Solid], kind: Kind) -> Solid | None:
         "intersect": manifold3d.OpType.Intersect,
     }
     first = manifold3d.Manifold.reserve_ids(len(parts))
-    bodies = [_body(part, first + n, n + 1, kind) for n, part in enumerate(parts)]
+    ready = [drawn_apart(_closed(part, n + 1, kind)) for n, part in enumerate(parts)]
+    bodies = [_body(part, first + n, n + 1, kind) for n, (part, _) in enumerate(ready)]
     found = manifold3d.Manifold.batch_boolean(bodies, kinds[kind])
     if found.num_tri() == 0 or found.volume() <= 1e-12 * max(
         map(manifold3d.Manifold.volume, bodies)
     ):
         return None  # nothing, or where parts touch
-    return _solid(found, {first + n: part for n, part in enumerate(parts)})
+    whole = _solid(found, {first + n: part for n, part in enumerate(parts)})
+    return _put_back(whole, np.concatenate([places for _, places in ready]))
 
 
 def _body(part: Solid, number: int, place: int, kind: Kind) -> manifold3d.Manifold:
     import manifold3d
 
-    closed = _closed(part, place, kind)
-    corners, face = triangles(closed)
+    corners, face = triangles(part)
     mesh = manifold3d.Mesh64(
-        np.ascontiguousarray(closed.vertices),
+        np.ascontiguousarray(part.vertices),
         corners.astype(np.uint64),
         run_index=np.array([0, corners.size], np.uint64),
         run_original_id=np.array([number], np.uint32),
@@ -107,3 +110,14 @@ def _solid(found: manifold3d.Manifold, parts: dict[int, Solid]) -> Solid:
     tags = [parts[run].tags[face] for run, face in zip(runs, faces, strict=True)]
     whole = solid_of(points, corners[:, None].tolist(), tags)
     return merged_faces(whole, 1e-9)
+
+
+def _put_back(solid: Solid, places: Floats) -> Solid:
+    """Vertices that were drawn away from where a part touches itself, at their places again."""
+    if not len(places):
+        return solid
+    vertices = solid.vertices.copy()
+    reach = 4 * GAP * float(np.ptp(vertices, axis=0).max())
+    for place in places:
+        vertices[(np.abs(vertices - place) <= reach).all(axis=1)] = place
+    return replace(solid, vertices=vertices)

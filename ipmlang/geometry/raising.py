@@ -144,7 +144,9 @@ def taper(polygon: Solid, height: float, inset: float | None = None) -> Solid:
     else:
         found = extrude(polygon, abs(height))
     found = _in_order(_renamed(found, polygon.tags[0]))
-    return found if height > 0 else reversed_normals(_scaled(found, _level(polygon), -1.0))
+    if height > 0:
+        return found
+    return reversed_normals(_scaled(found, _level(polygon), height, -height))
 
 
 def _pointed(polygon: Solid, height: float) -> Solid:
@@ -160,22 +162,22 @@ def _drawn_in(polygon: Solid, height: float, inset: float) -> Solid:
     level = _level(polygon)
     deepest = float(hip.vertices[:, 2].max()) - level
     if inset >= deepest * (1 - 1e-9):
-        return _scaled(hip, level, height / deepest)
+        return _scaled(hip, level, height, deepest)
     low = slab(hip, 2, level, level + inset)
     assert low is not None  # it is deeper than the inset
-    found = _scaled(low, level, height / inset)
-    found.vertices[low.vertices[:, 2] == level + inset, 2] = level + height
-    return found
+    return _scaled(low, level, height, inset)
 
 
 def _level(polygon: Solid) -> float:
     return float(polygon.vertices[polygon.corners, 2].min())
 
 
-def _scaled(solid: Solid, level: float, factor: float) -> Solid:
-    """Heights over a level multiplied."""
+def _scaled(solid: Solid, level: float, height: float, before: float) -> Solid:
+    """A solid that was so high over its level before made `height` high, its top exactly."""
     vertices = solid.vertices.copy()
-    vertices[:, 2] = level + (vertices[:, 2] - level) * factor
+    over = vertices[:, 2] - level
+    vertices[:, 2] = level + over * (height / before)
+    vertices[over >= before * (1 - 1e-12), 2] = level + height
     return replace(solid, vertices=vertices)
 
 

@@ -161,7 +161,7 @@ def _abscissae(
     which run to the right, take their y from it, upper ones add it.
     """
     sign = np.where(used, -np.sign(run), 0.0)
-    still = np.where(used, x, -np.inf).max(axis=1, keepdims=True)
+    still = np.where(used, x, x[:, :1]).max(axis=1, keepdims=True)
     ends = np.concatenate([np.where(used, np.minimum(x, x + run), still),
                            np.where(used, np.maximum(x, x + run), still)], axis=1)  # fmt: skip
     flat, steep = sign * (y - slope * x), sign * slope

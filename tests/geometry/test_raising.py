@@ -5,15 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from geometry.random_shapes import mesh_of, polygons
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from ipmlang.geometry.converting import reversed_normals
-from ipmlang.geometry.raising import extrude
+from ipmlang.geometry.raising import extrude, taper
 from ipmlang.geometry.solid import (
     GeometryError,
     Solid,
     area,
+    bounds,
     chosen,
     is_closed,
     normals,
@@ -108,3 +109,57 @@ def test_what_encloses_nothing_is_said(
 def test_turning_twice_is_nothing(plan: Solid) -> None:
     assert (reversed_normals(reversed_normals(plan)).corners == plan.corners).all()
     assert normals(reversed_normals(plan))[0, 2] == pytest.approx(-1)
+
+
+@given(polygons(), st.sampled_from([None, 0.0, 0.2, 50.0]), HEIGHTS)
+def test_what_tapers_is_closed_and_as_high_as_said(
+    plan: Solid, inset: float | None, height: float
+) -> None:
+    try:
+        solid = taper(plan, height, inset)
+    except GeometryError:
+        assume(False)  # the outline touches itself, which has no skeleton
+    assert is_closed(solid)
+    low, high = bounds(solid)
+    assert (low[2], high[2]) == (min(0, height), max(0, height))
+    full = area(plan) * abs(height)
+    assert full * 1e-3 < volume(solid) <= full * (1 + 1e-9)
+    assert mesh_of(solid).volume == pytest.approx(volume(solid), rel=1e-6)
+
+
+def test_a_square_tapers_to_a_point_or_to_a_smaller_square() -> None:
+    square = polygon([(0, 0), (4, 0), (4, 4), (0, 4)], tags=["lot"])
+    point, frustum = taper(square, 3), taper(square, 3, 1)
+    assert volume(point) == pytest.approx(16)
+    assert volume(frustum) == pytest.approx(28)
+    assert frustum.tags == (
+        {"taper.bottom", "lot"}, {"taper.top", "lot"}, *[{"taper.side"}] * 4
+    )  # fmt: skip
+    np.testing.assert_allclose(normals(frustum)[2:4, :2] * 10**0.5, [(0, -3), (3, 0)], atol=1e-9)
+    assert volume(taper(square, 3, 2)) == pytest.approx(16)
+
+
+def test_wings_and_courtyards_taper_as_hip_roofs_do() -> None:
+    wings = [(0, 0), (9, 0), (9, 9), (6, 9), (6, 3), (3, 3), (3, 9), (0, 9)]
+    assert volume(taper(polygon(wings), 3)) == pytest.approx(90)
+    court = polygon([(0, 0), (6, 0), (6, 6), (0, 6)], [[(2, 2), (2, 4), (4, 4), (4, 2)]])
+    solid = taper(court, 1, 0.5)
+    assert sum("taper.side" in tags for tags in solid.tags) == 8
+    wedges, corners = (4 * 6 + 4 * 2) * 0.5 / 2, 4 * 0.5**2 / 3 - 4 * 0.5**2 / 3
+    assert volume(solid) == pytest.approx(32 - wedges + corners)
+
+
+@pytest.mark.parametrize(
+    ("solid", "height", "inset", "message"),
+    [
+        (unit_square(), 0, None, "height is 0"),
+        (unit_square(), 1, -1, "draw out"),
+        (unit_box(), 1, None, "one polygon"),
+    ],
+)
+def test_what_cannot_taper_is_said(
+    solid: Solid, height: float, inset: float | None, message: str
+) -> None:
+    with pytest.raises(GeometryError, match=message) as caught:
+        taper(solid, height, inset)
+    assert caught.value.hint
