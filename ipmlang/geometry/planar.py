@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ipmlang.geometry.rings import repeated, straight
+from ipmlang.geometry.rings import repeated, spikes, straight
 from ipmlang.geometry.solid import (
     Floats,
     GeometryError,
@@ -205,8 +205,7 @@ def exact_rings(shape: Shape, known: Known, grid: float) -> list[Rings]:
             continue
         lines = [shapely.get_coordinates(line)[:-1] for line in (part.exterior, *part.interiors)]
         rings = [ring for ring in (_tidied(line, known, grid) for line in lines) if len(ring) > 2]
-        changed = sum(map(len, rings)) < sum(map(len, lines))
-        if changed and not (rings and shapely.Polygon(rings[0], rings[1:]).is_valid):
+        if not (rings and shapely.Polygon(rings[0], rings[1:]).is_valid):
             rings = lines  # as they were rounded
         found.append((part.area, [_begun(ring, hole=k > 0) for k, ring in enumerate(rings)]))
     return [rings for _, rings in sorted(found, key=lambda each: (-each[0], *each[1][0][0]))]
@@ -226,6 +225,8 @@ def _tidied(ring: Floats, known: Known, grid: float) -> Floats:
     for way in (1, -1):
         drop = repeated(ring[::way], 8 * grid)[::way] & ours
         ring, ours = ring[~drop], ours[~drop]
+    sharp = spikes(ring, 4 * grid)
+    ring, ours = ring[~sharp], ours[~sharp]
     return ring[~(straight(ring, 4 * grid) & ours)] if len(ring) > 2 else ring
 
 

@@ -66,18 +66,15 @@ def widths_of(
     edges: Edges, distance: float, front: float | None, side: float | None, back: float | None
 ) -> Floats:
     """The width of each edge's strip (n,)."""
-    by_side = {
-        name: distance if own is None else own
-        for name, own in zip(("front", "left", "right", "back"), (front, side, side, back),
-                             strict=True)
-    }  # fmt: skip
+    given = {"front": front, "side": side, "back": back}
+    by_side = {name: distance if own is None else own for name, own in given.items()}
     for name, width in by_side.items():
         if not (np.isfinite(width) and width >= 0):
             raise GeometryError(
-                f"the setback at the {name} is {width:g}, and must be 0 or more",
+                f"the distance at the {name} is {width:g}, and must be 0 or more",
                 "offset moves edges outward",
             )
-    return np.array([by_side[name] for name in _sides(edges)])
+    return np.array([by_side["side" if "side" in _SIDES[each] else each] for each in _sides(edges)])
 
 
 def setback(

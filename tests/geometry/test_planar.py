@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import shapely
@@ -236,6 +238,24 @@ def test_areas_that_do_not_fit() -> None:
     assert area_cuts(YARD, "y", [40, 40]).tolist() == [0, 4, 8]
     with pytest.raises(GeometryError, match="not along z"):
         area_split(YARD, "z", [1])
+
+
+# --- texture coordinates and tags ---------------------------------------------------------------
+
+
+def test_parts_keep_tags_height_and_affine_uv() -> None:
+    """Parts bear the tags of the whole, at its height; uv that is a map of places goes on."""
+    whole = polygon([(0, 0, 2), (10, 0, 2), (10, 8, 2), (0, 8, 2)], tags=["lot"])
+    whole = replace(whole, uv=whole.vertices[:, :2] * [0.1, 0.25] + [3, 4])
+    bent = replace(whole, uv=np.array([(0, 0), (1, 0), (1, 1), (0, 2)], np.float64))
+    for cut in (lambda s: setback(s, 1), lambda s: shape_o(s, 1, 1, 1, 1), inner_rect):
+        for part in (piece.solid for piece in cut(whole)):
+            assert part.uv == pytest.approx(
+                part.vertices[part.corners, :2] * [0.1, 0.25] + [3, 4], abs=1e-12
+            )
+            assert (part.vertices[:, 2] == 2).all()
+            assert part.tags == (frozenset({"lot"}),)
+        assert all(piece.solid.uv is None for piece in cut(bent))
 
 
 # --- what is no level polygon -------------------------------------------------------------------
