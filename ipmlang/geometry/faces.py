@@ -14,6 +14,7 @@ from math import cos, radians, sin, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from ipmlang.geometry.merging import merged_faces
 from ipmlang.geometry.pieces import Piece
 from ipmlang.geometry.solid import (
     Floats,
@@ -51,17 +52,20 @@ class Scopes:
     sizes: Floats
 
 
-def faces(solid: Solid) -> list[Piece]:
+def faces(solid: Solid, merge: bool = False) -> list[Piece]:
     """Each face as a polygon in the solid's coordinates, with its axes; what `comp` gives.
 
     Words: `all`; one of front, back, left, right, top, bottom; `side` for the first four; one of
     vertical, horizontal, aslant (to a degree); and the face's tags. A face is `top` where it is
-    flatter than 45 degrees and looks up.
+    flatter than 45 degrees and looks up. merge: first make faces of coplanar neighbours one, as
+    meshes of triangles need.
 
     >>> from ipmlang.geometry.solid import unit_box
     >>> [min(piece.words & set(LOOKS)) for piece in faces(unit_box())]
     ['bottom', 'top', 'front', 'right', 'back', 'left']
     """
+    if merge:
+        solid = merged_faces(solid)
     vectors = area_vectors(solid)
     axes = _axes(solid, vectors)
     points = solid.vertices[solid.corners]

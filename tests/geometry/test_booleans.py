@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from ipmlang.geometry.booleans import boolean
 from ipmlang.geometry.converting import reversed_normals
 from ipmlang.geometry.merging import merged_faces
+from ipmlang.geometry.parts import faces
 from ipmlang.geometry.primitives import cylinder, sphere
 from ipmlang.geometry.raising import extrude
 from ipmlang.geometry.slabs import cut, slabs
@@ -151,6 +152,7 @@ def test_holes_come_back_and_round_bodies_stay() -> None:
     apart = solid_of(court.vertices, corners[:, None].tolist(), [court.tags[n] for n in face])
     found = merged_faces(apart)
     assert sorted(np.diff(found.faces).tolist()) == [1] * 8 + [2] * 2
+    assert (len(faces(apart)), len(faces(apart, merge=True))) == (len(apart), 10)
     assert len(merged_faces(sphere(24))) == len(sphere(24))
 
 
