@@ -22,7 +22,7 @@ from ipmlang.runtime.code import Column
 from ipmlang.runtime.keys import Words
 from ipmlang.runtime.pool import BOX, NOTHING
 from ipmlang.runtime.shaping import Given, Value
-from ipmlang.runtime.tables import Table, table
+from ipmlang.runtime.tables import Table, distinct, table
 
 Numbers = NDArray[np.int64]
 
@@ -148,9 +148,8 @@ def _boxes_apart(use: Apart) -> list[Batched]:
     flat = np.where((sizes <= 0).sum(axis=1) == 1, np.argmax(sizes <= 0, axis=1), -1)
     lost = (sizes <= 0).sum(axis=1) > 1
     code = np.where(lost, -1, numbers * 4 + flat + 1)
-    distinct, kind = np.unique(code, return_inverse=True)
-    kind = kind.reshape(-1)
-    chosen = [_faces_taken(use, each) for each in distinct.tolist()]
+    codes, kind = distinct(code)
+    chosen = [_faces_taken(use, each) for each in codes.tolist()]
     made = []
     for place in range(len(use.selectors)):
         many = np.array([len(each[place][0]) for each in chosen], np.int64)
@@ -244,7 +243,7 @@ def _spread(use: Apart, kinds: Table, found: Sequence[Found | None]) -> list[Bat
     """The pieces of every kind of shape, for all shapes."""
     count = use.given.count
     rows = np.arange(count) if use.shown is None else use.shown
-    taken = [
+    taken: list[list[list[int]]] = [
         [[] for _ in use.selectors] if each is None else _taken(use.selectors, each.words)
         for each in found
     ]
@@ -313,8 +312,8 @@ def _scattered(use: Apart, row: int) -> Found:
     one = slice(row, row + 1)
     base = keys.child(k0[one], k1[one], site, *(each[one] for each in copies))
     steps = np.arange(count, dtype=np.uint32)
-    wide = tuple(np.repeat(word, count) for word in base)
-    uniforms = np.stack([keys.uniform(*wide, axis, steps) for axis in range(3)], axis=1)
+    first, second = (np.repeat(word, count) for word in base)
+    uniforms = np.stack([keys.uniform(first, second, axis, steps) for axis in range(3)], axis=1)
     number = int(boxes.full(state["geo"], given.count)[row])
     if number == NOTHING:
         count, uniforms = 0, uniforms[:0]

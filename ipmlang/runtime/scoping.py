@@ -25,7 +25,7 @@ from ipmlang.runtime.limits import Counted
 from ipmlang.runtime.pieces import Apart, Batched, apart
 from ipmlang.runtime.pool import BOX, NOTHING, SNAP, Load, Pool
 from ipmlang.runtime.shaping import FAST, SHAPES, Given, Shaped
-from ipmlang.runtime.tables import table
+from ipmlang.runtime.tables import distinct, table
 
 Floats = NDArray[np.float64]
 Rows = Numbers | None  # of a batch that are there; None: all
@@ -169,8 +169,8 @@ class Scoping(Copying):
         ends = np.asarray(low + size < np.asarray(extent) * (1 - SNAP))
         columns = np.broadcast_arrays(np.asarray(geometry), begins, ends)
         code = columns[0].astype(np.int64) * 4 + columns[1] * 2 + columns[2]
-        distinct, place = np.unique(code, return_inverse=True)
-        made = [self._cut_box(axis, each >> 2, each & 2, each & 1) for each in distinct.tolist()]
+        codes, place = distinct(code)
+        made = [self._cut_box(axis, each >> 2, each & 2, each & 1) for each in codes.tolist()]
         found = np.array(made, np.float64)[place.reshape(code.shape)]
         return found if found.ndim else float(found)
 
@@ -317,7 +317,7 @@ class Scoping(Copying):
         keys, values = full(args[0], count), full(args[1], count)
         if shown is not None:
             keys, values = keys[shown], values[shown]
-        for number in np.unique(keys).tolist():
+        for number in distinct(keys)[0].tolist():
             key, own = self.program.strings[int(number)], values[keys == number]
             self.reports.sums[key] = self.reports.sums.get(key, 0.0) + float(own.sum())
             self.reports.counts[key] = self.reports.counts.get(key, 0) + len(own)

@@ -26,6 +26,7 @@ from ipmlang.runtime.bodies import TURNING
 from ipmlang.runtime.boxes import SIZES, State, full
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.pool import BOX, Pool
+from ipmlang.runtime.tables import distinct
 
 Value: TypeAlias = "float | str | None"
 Flags = NDArray[np.bool_]
@@ -70,8 +71,8 @@ class Given:
 
     def word(self, place: int) -> str | None:
         """A text that is the same for all shapes; None where it is not given."""
-        found = np.unique(np.asarray(self.args[place], np.float64))
-        if len(found) > 1:
+        found = np.ravel(np.asarray(self.args[place], np.float64))
+        if (found[1:] != found[:-1]).any() and not np.isnan(found).all():
             raise GeometryError(f"the words of `{self.name}` must be the same for all shapes")
         return None if np.isnan(found[0]) else self.program.strings[int(found[0])]
 
@@ -130,8 +131,8 @@ def _quad(given: Given, state: State) -> State:
 def _primitive(given: Given, state: State) -> State | None:
     from ipmlang.geometry import primitives
 
-    sides = np.unique(np.asarray(given.args[0])) if given.args else np.array([SIDES[given.name]])
-    if len(sides) > 1:
+    sides = np.ravel(given.args[0]) if given.args else np.array([SIDES[given.name]])
+    if (sides[1:] != sides[:-1]).any():
         return None
     count = int(sides[0])
     key = (given.name, count)
@@ -151,7 +152,7 @@ def _mirror(given: Given, state: State) -> State:
 
 def _insert(given: Given, state: State) -> State:
     """An asset takes the place of the geometry, stretched to the scope or fitted into it."""
-    asset = np.unique(np.asarray(given.args[0]))
+    asset = distinct(np.asarray(given.args[0]))[0]
     parts = [_inserted(given, state, int(each)) for each in asset.tolist()]
     if len(parts) == 1:
         return parts[0]
@@ -189,13 +190,11 @@ def _inserted(given: Given, state: State, asset: int) -> State:
         ]
     share = {"corner": (0.0, 0.0, 0.0), "bottom": (0.5, 0.5, 0.0),
              "middle": (0.5, 0.5, 0.5), "top": (0.5, 0.5, 1.0)}[align]  # fmt: skip
-    step = tuple(
+    x, y, z = (
         np.where(size > 0, (size - own) * part, 0.0)
         for size, own, part in zip(scope, sizes, share, strict=True)
     )
-    place = boxes.moved(state, step) if any(np.any(each) for each in step) else {
-        axis: state[axis] for axis in boxes.AXES
-    }  # fmt: skip
+    place = boxes.moved(state, (x, y, z))
     number = float(given.pool.asset(asset))
     return {**place, **dict(zip(SIZES, sizes, strict=True)), "geo": number}
 
@@ -204,13 +203,13 @@ def _tag(given: Given, state: State) -> State | None:
     """Tags on the faces: the geometry is another one, the scope stays."""
     word = given.word(0)
     numbers = np.asarray(state["geo"])
-    distinct, place = np.unique(numbers, return_inverse=True)
+    kinds, place = distinct(numbers)
     flat = _boxes(given, state)
     if flat is None or word is None:
         return None
     solid = ~flat.any(axis=0)
-    made = np.zeros((2, len(distinct)))
-    for column, number in enumerate(distinct.astype(int).tolist()):
+    made = np.zeros((2, len(kinds)))
+    for column, number in enumerate(kinds.astype(int).tolist()):
         for kind, faces in enumerate((1, 6)):
             tags = given.pool.tags(number) or (frozenset[str](),) * faces
             if len(tags) != faces:

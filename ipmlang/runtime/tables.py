@@ -42,6 +42,21 @@ class Table:
         return out
 
 
+def distinct(values: NDArray[np.generic]) -> tuple[NDArray[np.generic], Numbers]:
+    """The different values (k,), ascending, and the place of each of the values (n,) among them.
+
+    What numpy's `unique` does, without the library of masked arrays that it loads.
+    """
+    flat = np.asarray(values).reshape(-1)
+    order = np.argsort(flat, kind="stable")
+    ordered = flat[order]
+    first = np.ones(len(flat), np.bool_)
+    first[1:] = ordered[1:] != ordered[:-1]
+    place = np.empty(len(flat), np.int64)
+    place[order] = np.cumsum(first) - 1
+    return ordered[first], place
+
+
 def table(shown: Numbers | None, count: int, *columns: Column) -> Table:
     """The distinct rows of columns, of the rows that are shown (None: of all)."""
     wide = tuple(full(column, count) for column in columns)

@@ -17,9 +17,9 @@ from ipmlang.formats import FormatError
 from ipmlang.formats.drawing import Note
 from ipmlang.formats.mesh_types import Alpha, Material, Mesh, MeshScene
 from ipmlang.formats.textures import Texture, has_alpha, texture_at
+from ipmlang.runtime.export.colors import hex_color
 from ipmlang.runtime.export.fitting import fitted_matrices
 from ipmlang.runtime.export.model_assets import model_assets
-from ipmlang.runtime.export.pens import hex_color
 from ipmlang.runtime.export.placing import frame_matrices
 from ipmlang.runtime.export.solids import solid_mesh
 from ipmlang.runtime.export.uv import Copies, laid

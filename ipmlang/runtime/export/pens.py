@@ -13,17 +13,9 @@ from ipmlang.formats.svg.color import parse_color
 from ipmlang.formats.svg.css import parse_declarations
 from ipmlang.formats.svg.properties import INITIAL
 from ipmlang.formats.svg.units import length, numbers
+from ipmlang.runtime.export.colors import hex_color
 
 _PAINTS = ("fill", "stroke")
-
-
-def hex_color(color: int) -> tuple[str, float]:
-    """`#rrggbb` and opacity of 0xRRGGBBAA.
-
-    >>> hex_color(0x2A6F4EFF), hex_color(0xFF000080)[0]
-    (('#2a6f4e', 1.0), '#ff0000')
-    """
-    return f"#{color >> 8:06x}", (color & 255) / 255
 
 
 def penned(style: Style, color: int, width: float, css: str) -> Style:
