@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.formats import FormatError
+from ipmlang.formats.distinct import distinct_rows
 from ipmlang.formats.glb_shades import Entry, shade_entries
 from ipmlang.formats.mesh_types import Material, Mesh, MeshScene, all_triangulated
 from ipmlang.formats.node_transforms import Transforms, decomposed
@@ -55,13 +56,9 @@ class _Variants:
 
 
 def _variants(scene: MeshScene) -> _Variants:
-    key = np.stack([scene.mesh, scene.material], axis=1)
-    distinct, first, inverse = np.unique(key, axis=0, return_index=True, return_inverse=True)
-    order = np.argsort(first)
-    rank = np.empty(len(order), np.int64)
-    rank[order] = np.arange(len(order))
-    pairs = [(int(mesh), int(material)) for mesh, material in distinct[order].tolist()]
-    return _Variants(pairs, rank[inverse.reshape(-1)])
+    first, row = distinct_rows(np.stack([scene.mesh, scene.material], axis=1).astype(np.float64))
+    pairs = zip(scene.mesh[first].tolist(), scene.material[first].tolist(), strict=True)
+    return _Variants(list(pairs), row)
 
 
 @dataclass(slots=True)

@@ -13,6 +13,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from ipmlang.formats.distinct import distinct_rows
 from ipmlang.formats.mesh_types import (
     UNCOLORED,
     Z_TO_Y,
@@ -78,11 +79,12 @@ def _joined(parts: list[Batch]) -> Batch:
 def _batches_of_meshes(scene: MeshScene, up: Literal["y-up", "z-up"]) -> Iterator[Batch]:
     mirrored = np.linalg.det(scene.matrix[:, :, :3]) < 0
     key = np.stack([scene.name, scene.material, scene.mesh, mirrored.astype(np.int64)], axis=1)
-    distinct, first, inverse = np.unique(key, axis=0, return_index=True, return_inverse=True)
-    rows_by_group = np.argsort(inverse.reshape(-1), kind="stable")
-    ends = np.cumsum(np.bincount(inverse.reshape(-1), minlength=len(distinct)))
+    first, kind = distinct_rows(key.astype(np.float64))
+    distinct = key[first]
+    rows_by_group = np.argsort(kind, kind="stable")
+    ends = np.cumsum(np.bincount(kind, minlength=len(distinct)))
     turn = Z_TO_Y if up == "y-up" else np.eye(3)
-    for group in _in_order(distinct, first).tolist():
+    for group in _in_order(distinct).tolist():
         name, material, number, is_mirrored = distinct[group].tolist()
         mesh = scene.meshes[number]
         if not len(mesh.corners):
@@ -96,14 +98,10 @@ def _batches_of_meshes(scene: MeshScene, up: Literal["y-up", "z-up"]) -> Iterato
             yield Batch(mesh, vertices + matrices[:, None, :, 3], name, material)
 
 
-def _in_order(distinct: Indices, first: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Groups by the first use of their name and material, then by their own."""
-    if not len(distinct):
-        return first
-    # Rows with equal name and material follow each other.
-    begins = np.concatenate([[True], (np.diff(distinct[:, :2], axis=0) != 0).any(axis=1)])
-    earliest = np.minimum.reduceat(first, np.flatnonzero(begins))
-    return np.lexsort([first, earliest[np.cumsum(begins) - 1]])
+def _in_order(groups: Indices) -> Indices:
+    """Groups of a name and material together, in the order of the first; `groups` are in theirs."""
+    _, look = distinct_rows(groups[:, :2].astype(np.float64))
+    return np.argsort(look, kind="stable")
 
 
 def world_triangles(

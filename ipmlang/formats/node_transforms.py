@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ipmlang.formats.distinct import distinct_rows
+
 Floats = NDArray[np.float64]
 
 _NUMBER = "%.10g"
@@ -32,12 +34,15 @@ class Transforms:
     def templates(self, rows: slice) -> tuple[list[str], tuple[float, ...]]:
         """The end of each node's JSON as a template, and all their numbers in order."""
         rotation, scale = self.rotation[rows], self.scale[rows]
+        turned = np.concatenate([rotation, scale], axis=1)
+        first, which = distinct_rows(turned)
+        if len(first) * 4 <= len(which) and not self.sheared[rows].any():
+            return _alike(self.translation[rows], turned[first], which)
         kind = np.where(self.sheared[rows], _MATRIX, 0)
         plain = kind == 0
-        kind += np.where(plain & (np.abs(rotation[:, :3]) > 1e-15).any(axis=1), _ROTATED, 0)
-        kind += np.where(plain & (np.abs(scale - 1) > 1e-15).any(axis=1), _SCALED, 0)
+        kind += np.where(plain, _kinds(turned), 0)
         kind += np.where(plain & (self.translation[rows] != 0).any(axis=1), _SHIFTED, 0)
-        table = np.concatenate([self.translation[rows], rotation, scale], axis=1)
+        table = np.concatenate([self.translation[rows], turned], axis=1)
         used = _USED[kind]
         if not plain.all():
             table = np.concatenate([table, self._columns(rows)], axis=1)
@@ -73,6 +78,31 @@ _USED = np.array(
         for kind in range(16)
     ]
 )
+
+
+def _kinds(turned: Floats) -> NDArray[np.int64]:
+    """Which of rotation and scale (n, 7) have to be said."""
+    rotated = (np.abs(turned[:, :3]) > 1e-15).any(axis=1)
+    scaled = (np.abs(turned[:, 4:] - 1) > 1e-15).any(axis=1)
+    return np.where(rotated, _ROTATED, 0) + np.where(scaled, _SCALED, 0)
+
+
+def _alike(
+    translation: Floats, turned: Floats, which: NDArray[np.int64]
+) -> tuple[list[str], tuple[float, ...]]:
+    """Templates and numbers where few rotations and scales (k, 7) serve for all: these are printed
+    once, so that only translations are left to print.
+    """
+    kinds = _kinds(turned)
+    numbers = [
+        tuple(row[_USED[kind][3:10]].tolist()) for row, kind in zip(turned, kinds, strict=True)
+    ]
+    texts = [_TEMPLATES[kind] % own for kind, own in zip(kinds.tolist(), numbers, strict=True)]
+    shift = _TEMPLATES[_SHIFTED].removesuffix("}")
+    ends = [begin + text for text in texts for begin in ("", shift)]
+    shifted = (translation != 0).any(axis=1)
+    templates = [ends[number] for number in (which * 2 + shifted).tolist()]
+    return templates, tuple(translation[shifted].reshape(-1).tolist())
 
 
 def decomposed(matrix: Floats) -> Transforms:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ipmlang.compiler import ir
 from ipmlang.compiler.diagnostics import fail
+from ipmlang.formats.distinct import distinct_rows
 from ipmlang.runtime.residual import adjusted
 from ipmlang.runtime.scene import AssetRef, Groups, Instances, Origin, PenStyle, Scene, TextureMaps
 
@@ -137,11 +138,10 @@ def _styles(program: ir.Program, rows: Rows) -> tuple[tuple[PenStyle, ...], NDAr
     fields = [name for name in TEXT_FIELDS if name in rows.texts]
     plain = np.full((1, len(fields)), -1, np.int32)
     table = np.concatenate((plain, np.stack([rows.texts[name] for name in fields], axis=1)))
-    distinct, number = np.unique(table, axis=0, return_inverse=True)
-    number = number.reshape(-1)
+    first, number = distinct_rows(table.astype(np.float64))
     texts = [
         {name: program.strings[i] for name, i in zip(fields, row, strict=True) if i >= 0}
-        for row in distinct.tolist()
+        for row in table[first].tolist()
     ]
     folder = Path(program.path).parent
     return tuple(_style(each, folder) for each in texts), number[1:].astype(np.int32)

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from ipmlang.formats.distinct import distinct_rows
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.scene import TextureMaps
 
@@ -78,6 +79,7 @@ class Laying:
 
     count: int = 0
     _met: list[_Met] = field(default_factory=list)
+    _known: dict[tuple[object, ...], float] = field(default_factory=dict)
 
     def begin(
         self,
@@ -87,36 +89,46 @@ class Laying:
         parent: Column,
         state: Mapping[str, Column],
         plane: str = "xy",
-    ) -> Floats:
-        """What shapes carry (count,) of new applications, one for each row of a batch."""
-        values = _table(args, count, 2)
-        if name in (SETUP, TILE) and not (values > 0).all():
-            raise LayingError(f"`{name}` needs a width and a height above 0",
-                              "say how large the image is in the scope's units")  # fmt: skip
-        if not np.isfinite(values).all():
-            raise LayingError(f"`{name}` is given no finite number", "check what it is given")
-        before = np.broadcast_to(np.asarray(parent, np.float64), (count,)).astype(np.int64)
-        ready = (before == READY) | ((before >= 0) & (before % 2 == 1)) | (name == SETUP)
-        if name == PROJECT and not ready.all():
-            raise LayingError(f"`{name}` stands where no projection was set up",
-                              "write setupProjection(xy, 2, 1) before it, where xy is the plane "
-                              "and an image is 2 by 1")  # fmt: skip
-        if name in (SETUP, TILE):
-            values *= np.abs(np.asarray(state.get("scale", 1.0)).reshape(-1, 1))
-        frame = np.zeros((count, 0))
+    ) -> Column:
+        """What shapes carry of an application, one for each row of a batch or one for all. Equal
+        ones are one: that of ten thousand tiles with one projection has one number.
+        """
+        scale = np.abs(np.asarray(state.get("scale", 1.0))) if name in (SETUP, TILE) else 1.0
+        columns = [parent, *(arg * scale for arg in args), *(0.0,) * (2 - len(args))]
         if name == SETUP:
-            given = [state.get(key, usual) for key, usual in zip(_FRAME, _USUAL, strict=True)]
-            frame = _table(given, count, len(_FRAME))
-        self._met.append(_Met(name, self.count, before // 2, values, frame, PLANES[plane]))
-        self.count += count
-        return 2.0 * np.arange(self.count - count, self.count) + ready
+            columns += [state.get(key, usual) for key, usual in zip(_FRAME, _USUAL, strict=True)]
+        alike = all(np.ndim(column) == 0 for column in columns)
+        table = np.zeros((1 if alike else count, len(columns)))
+        for place, column in enumerate(columns):
+            table[:, place] = column
+        _check(name, table)
+        first, kind = distinct_rows(table)
+        numbers = self._numbers(name, table[first], plane)
+        return float(numbers[0]) if alike else numbers[kind]
+
+    def _numbers(self, name: str, rows: Floats, plane: str) -> Floats:
+        """What shapes carry of different applications (m,)."""
+        ready = _is_ready(rows[:, 0]) | (name == SETUP)
+        numbers = np.arange(self.count, self.count + len(rows))
+        found = np.asarray(2 * numbers + ready, np.float64)
+        if len(rows) == 1:
+            known = self._known.setdefault((name, plane, *rows[0].tolist()), float(found[0]))
+            if known != found[0]:
+                return np.array([known])
+        before = (rows[:, 0] // 2).astype(np.int64)
+        self._met.append(_Met(name, self.count, before, rows[:, 1:3], rows[:, 3:], PLANES[plane]))
+        self.count += len(rows)
+        return found
 
     def maps(self, of: NDArray[np.int32]) -> TextureMaps | None:
         """What `of` (n,), as each row carries it, comes to; None if nothing was applied."""
         if not self.count:
             return None
-        used, place = np.unique(of // 2, return_inverse=True)
-        held = self._resolved().of(used.astype(np.int64))
+        own = (of // 2).astype(np.int64)
+        used = np.flatnonzero(np.bincount(own + 1, minlength=self.count + 1)[1:])
+        place = np.full(self.count + 1, -1, np.int32)  # the last for rows of -1
+        place[used] = np.arange(len(used))
+        held = self._resolved().of(used)
         frames = np.tile(np.array(_USUAL), (self.count, 1))
         planes = np.zeros((self.count, 2), np.int64)
         for each in self._met:
@@ -126,9 +138,8 @@ class Laying:
         projected = held.applied >= 0
         frame, plane = frames[held.applied], planes[held.applied]
         rotation = frame[:, 3:7] / np.linalg.norm(frame[:, 3:7], axis=1, keepdims=True)
-        number = np.where(used[place.reshape(-1)] < 0, -1, place.reshape(-1)).astype(np.int32)
         return TextureMaps(
-            number, projected, plane, frame[:, :3], rotation, np.sign(frame[:, 7]), held.tile,
+            place[own], projected, plane, frame[:, :3], rotation, np.sign(frame[:, 7]), held.tile,
             held.map,
         )  # fmt: skip
 
@@ -157,12 +168,27 @@ class Laying:
         return whole
 
 
-def _table(columns: Sequence[Column], count: int, width: int) -> Floats:
-    """Columns side by side (count, width), 0 for those that are not there."""
-    found = np.zeros((count, width))
-    for place, column in enumerate(columns):
-        found[:, place] = column
+def _is_ready(carried: Floats) -> NDArray[np.bool_]:
+    """Where a projection is set up, by what shapes carry."""
+    found: NDArray[np.bool_] = (carried == READY) | ((carried >= 0) & (carried % 2 == 1))
     return found
+
+
+def _check(name: str, table: Floats) -> None:
+    """Refuse what an application was given: what held before, two values, perhaps a frame."""
+    if not np.isfinite(table).all():
+        raise LayingError(f"`{name}` is given no finite number", "check what it is given")
+    if name in (SETUP, TILE) and not (table[:, 1:3] > 0).all():
+        raise LayingError(
+            f"`{name}` needs a width and a height above 0",
+            "say how large the image is in the scope's units",
+        )
+    if name == PROJECT and not _is_ready(table[:, 0]).all():
+        raise LayingError(
+            f"`{name}` stands where no projection was set up",
+            "write setupProjection(xy, 2, 1) before it, where xy is the plane and an image is "
+            "2 by 1",
+        )
 
 
 def _changed(name: str, values: Floats, before: Floats) -> Floats:

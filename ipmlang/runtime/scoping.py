@@ -297,7 +297,7 @@ class Scoping(Copying):
         parent: Column,
         state: Mapping[str, Column],
         shown: Rows,
-    ) -> Floats:
+    ) -> Column:
         """How textures lie on what follows in every row of a batch; the numbers of that."""
         plane = "xy"
         if name == SETUP:

@@ -136,3 +136,25 @@ def test_written_solids_are_read_back(tmp_path: Path) -> None:
     rows = table([[1, 2, 3]], SOLID)
     save(scene(rows, solids=(unit_box(),)), tmp_path / "a.obj")
     assert np.diff(read_mesh(tmp_path / "a.obj").offsets).tolist() == [4] * 6
+
+
+@pytest.mark.parametrize("kinds", [3, 200])
+@pytest.mark.parametrize("instancing", [False, True])
+def test_copies_come_back_where_they_were(kinds: int, instancing: bool, tmp_path: Path) -> None:
+    """Many that are turned alike, or each in its own way; some at the origin, some mirrored."""
+    from ipmlang.formats.mesh import read_meshes
+    from ipmlang.runtime.export import save
+
+    rows = table([[1, 2, 3]] * 200, SOLID)
+    rows.shape[:] = 0
+    generator = np.random.default_rng(5)
+    rotation = generator.normal(size=(kinds, 4))
+    rotation /= np.linalg.norm(rotation, axis=1, keepdims=True)
+    rows.rotation[:] = rotation[np.arange(200) % kinds]
+    rows.scale[:] = np.where(np.arange(200) % kinds == 1, -0.5, 2.0)
+    rows.position[::5] = 0
+    found = scene(rows, solids=(unit_box(),))
+    save(found, tmp_path / "a.glb", instancing=instancing)
+    wanted = mesh_scene_of(found).matrix
+    again = read_meshes(tmp_path / "a.glb").matrix
+    assert np.sort(again, axis=0) == pytest.approx(np.sort(wanted, axis=0), abs=1e-4)

@@ -31,6 +31,20 @@ def image(tmp_path: Path) -> Path:
     return path
 
 
+def begun(
+    laying: Laying,
+    name: str,
+    count: int,
+    args: tuple[float, ...],
+    before: float = -1.0,
+    state: dict[str, float] | None = None,
+    plane: str = "xy",
+) -> list[float]:
+    """What rows carry of an application of that name."""
+    found = laying.begin(name, count, args, before, state or PLAIN, plane)
+    return np.broadcast_to(np.asarray(found), (count,)).tolist()
+
+
 def upright(sizes: list[list[float]], places: list[list[float]], asset: int = SCOPE) -> Scene:
     """A scene of scopes that stand along the axes of the world."""
     rows = table(sizes, asset)
@@ -107,9 +121,9 @@ def test_without_a_projection_each_side_is_one_image(image: Path) -> None:
 def test_tiles_have_a_size_on_every_side(image: Path) -> None:
     """Boxes of one size share a mesh; each side counts its own tiles."""
     laying = Laying()
-    laying.begin("tileUV", 3, (2.0, 0.5), -1.0, PLAIN)
+    ways = begun(laying, "tileUV", 3, (2.0, 0.5))
     found = upright([[1, 2, 3], [1, 2, 3], [4, 1, 1]], [[0, 0, 0], [0.3, 7, 0], [9, 0, 0]])
-    made = textured(found, image, laying, [0, 1, 2])
+    made = textured(found, image, laying, ways)
     assert made.mesh[0] == made.mesh[1] != made.mesh[2]
     uv = [made.meshes[number].uv for number in made.mesh]
     assert uv[0] is not None
@@ -135,10 +149,10 @@ def test_slopes_count_along_themselves() -> None:
 def test_a_projection_goes_on_over_the_parts(image: Path) -> None:
     """Twelve parts of a wall: where two meet, their coordinates do, but for whole tiles."""
     laying = Laying()
-    ready = laying.begin("setupProjection", 1, (2.0, 1.0), -1.0, {**PLAIN, "x": 5.0})
-    ways = laying.begin("projectUV", 12, (), float(ready[0]), PLAIN)
+    ready = begun(laying, "setupProjection", 1, (2.0, 1.0), -1.0, {**PLAIN, "x": 5.0})
+    ways = begun(laying, "projectUV", 12, (), ready[0])
     places = [[5 + 1.0 * (k % 4), 0.75 * (k // 4), 0] for k in range(12)]
-    made = textured(upright([[1.0, 0.75, 0]] * 12, places), image, laying, ways.tolist())
+    made = textured(upright([[1.0, 0.75, 0]] * 12, places), image, laying, ways)
     # Along x every second part repeats, along y every fourth does: 2 by 3 are different.
     assert len(made.meshes) == 6
     for row in range(12):
@@ -152,13 +166,26 @@ def test_a_projection_goes_on_over_the_parts(image: Path) -> None:
         assert uv.min() < 1
 
 
+def test_equal_applications_are_one() -> None:
+    """Whether they come in one batch, in many, or one by one; frames that differ stay apart."""
+    laying = Laying()
+    places = {**PLAIN, "x": np.array([0.0, 5.0, 0.0])}
+    ready = laying.begin("setupProjection", 3, (1.0, 1.0), -1.0, places)
+    ways = laying.begin("projectUV", 3, (), ready, PLAIN)
+    assert np.asarray(ways).tolist() == [5, 7, 5]
+    assert laying.count == 4
+    alone = [laying.begin("tileUV", 1, (2.0, 2.0), 5.0, PLAIN) for _ in range(3)]
+    assert len(set(alone)) == 1
+    assert laying.count == 5
+
+
 def test_equal_parts_share_meshes_however_many(image: Path) -> None:
     """A wall of ten thousand equal bricks is a handful of meshes, in little time."""
     laying = Laying()
-    ready = laying.begin("setupProjection", 1, (3 * 0.1, 0.1), -1.0, PLAIN)
-    ways = laying.begin("projectUV", 10_000, (), float(ready[0]), PLAIN)
+    ready = begun(laying, "setupProjection", 1, (3 * 0.1, 0.1), -1.0)
+    ways = begun(laying, "projectUV", 10_000, (), ready[0])
     places = [[0.1 * (k % 100), 0.1 * (k // 100), 0] for k in range(10_000)]
-    made = textured(upright([[0.1, 0.1, 0]] * 10_000, places), image, laying, ways.tolist())
+    made = textured(upright([[0.1, 0.1, 0]] * 10_000, places), image, laying, ways)
     assert len(made.meshes) <= 6
     assert len(made.mesh) == 10_000
 
@@ -186,12 +213,12 @@ def test_projected_coordinates_are_those_of_the_frame(
     state = dict(zip("xyzwijk", (*place, w, x, y, z), strict=True))
     state["scale"] = -scale if mirrored else scale
     laying = Laying()
-    ready = laying.begin("setupProjection", 1, (0.7, 1.3), -1.0, state, plane)
-    way = laying.begin("projectUV", 1, (), float(ready[0]), PLAIN)
+    ready = begun(laying, "setupProjection", 1, (0.7, 1.3), -1.0, state, plane)
+    way = begun(laying, "projectUV", 1, (), ready[0])
     rows = table([[1, 2, 3]], SCOPE)
     rows.position[:] = other
     found = scene(rows)
-    maps = laying.maps(way.astype(np.int32))
+    maps = laying.maps(np.array(way, np.int32))
     plain = mesh_scene_of(found)
     assert maps is not None
     copies = Copies(plain.mesh, plain.matrix, maps.of.astype(np.int64), np.ones(1, np.bool_))
@@ -209,13 +236,13 @@ def test_projected_coordinates_are_those_of_the_frame(
 def test_changes_follow_each_other(image: Path) -> None:
     """Moved, scaled, turned: in the order in which they stand; a new projection begins anew."""
     laying = Laying()
-    ready = laying.begin("setupProjection", 1, (1.0, 1.0), -1.0, PLAIN)
-    way = laying.begin("projectUV", 1, (), float(ready[0]), PLAIN)
+    ready = begun(laying, "setupProjection", 1, (1.0, 1.0), -1.0)
+    way = begun(laying, "projectUV", 1, (), ready[0])
     for name, values in (("translateUV", (0.25, 0)), ("scaleUV", (2, 4)), ("rotateUV", (90,))):
-        way = laying.begin(name, 1, values, float(way[0]), PLAIN)
-    again = laying.begin("projectUV", 1, (), float(way[0]), PLAIN)
+        way = begun(laying, name, 1, values, way[0])
+    again = begun(laying, "projectUV", 1, (), way[0])
     found = upright([[1, 1, 0], [1, 1, 0]], [[0, 0, 0], [0, 0, 0]])
-    made = textured(found, image, laying, [float(way[0]), float(again[0])])
+    made = textured(found, image, laying, [way[0], again[0]])
     # (x + 1/4) * 2 and y * 4, turned by a right angle: (-4 y, 2 x + 1/2), modulo whole tiles.
     assert coordinates(made, 0) == {
         (0, 0, 0): (0, 0.5), (1, 0, 0): (0, 2.5), (1, 1, 0): (-4, 2.5), (0, 1, 0): (-4, 0.5),
@@ -226,10 +253,10 @@ def test_changes_follow_each_other(image: Path) -> None:
 def test_a_tile_within_a_projection_is_that_of_the_projection(image: Path) -> None:
     """It takes the place of the size that was set up."""
     laying = Laying()
-    ready = laying.begin("setupProjection", 1, (1.0, 1.0), -1.0, PLAIN, "xy")
-    way = laying.begin("projectUV", 1, (), float(ready[0]), PLAIN)
-    tiled = laying.begin("tileUV", 1, (4.0, 2.0), float(way[0]), PLAIN)
-    made = textured(upright([[1, 1, 0]], [[0, 0, 0]]), image, laying, tiled.tolist())
+    ready = begun(laying, "setupProjection", 1, (1.0, 1.0), -1.0)
+    way = begun(laying, "projectUV", 1, (), ready[0])
+    tiled = begun(laying, "tileUV", 1, (4.0, 2.0), way[0])
+    made = textured(upright([[1, 1, 0]], [[0, 0, 0]]), image, laying, tiled)
     assert coordinates(made, 0)[1, 1, 0] == (0.25, 0.5)
 
 
@@ -238,11 +265,11 @@ def test_geometry_keeps_coordinates_of_its_own(image: Path) -> None:
     square = polygon([(0, 0), (1, 0), (1, 1), (0, 1)])
     own = replace(square, uv=np.array([[0.1, 0.1], [0.4, 0.1], [0.4, 0.4], [0.1, 0.4]]))
     laying = Laying()
-    laying.begin("scaleUV", 1, (10.0, 10.0), -1.0, PLAIN)
+    way = begun(laying, "scaleUV", 1, (10.0, 10.0))
     rows = table([[1, 1, 0], [1, 1, 0]], SOLID)
     found = scene(rows, solids=(own,))
     rows.shape[:] = 0
-    made = textured(found, image, laying, [-1, 0])
+    made = textured(found, image, laying, [-1, *way])
     plain, scaled = (made.meshes[number].uv for number in made.mesh)
     assert plain is not None
     assert scaled is not None
@@ -265,6 +292,6 @@ def test_only_what_bears_an_image_gets_coordinates(image: Path) -> None:
 def test_tiles_need_a_size(name: str) -> None:
     """0 and less are refused, and what is no number."""
     with pytest.raises(LayingError, match="above 0"):
-        Laying().begin(name, 2, (np.array([1.0, 0.0]), 1.0), -1.0, PLAIN)
+        Laying().begin(name, 2, (np.array([1.0, 0.0]), 1.0), -1.0, {})
     with pytest.raises(LayingError, match="finite"):
-        Laying().begin("translateUV", 1, (np.inf, 1.0), -1.0, PLAIN)
+        Laying().begin("translateUV", 1, (np.inf, 1.0), -1.0, {})

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.formats import FormatError
+from ipmlang.formats.distinct import distinct_rows
 from ipmlang.formats.drawing import Note
 from ipmlang.formats.mesh_types import Alpha, Material, Mesh, MeshScene
 from ipmlang.formats.textures import Texture, has_alpha, texture_at
@@ -172,18 +173,19 @@ class _Model:
     def _materials(self, row: Rows) -> tuple[NDArray[np.int64], tuple[Material, ...]]:
         """What the pen sets for each copy: a name, a colour, an image, or none of these (-1)."""
         table = self.scene.instances
-        key = np.stack([table.style[row].astype(np.int64), table.color[row].astype(np.int64)], 1)
+        key = np.stack([table.style[row], table.color[row]], axis=1).astype(np.float64)
         named = any(style.material or style.texture for style in self.scene.styles)
         if not key[:, 1].any() and not named:
             return np.full(len(row), -1, np.int64), ()
-        distinct, inverse = np.unique(key, axis=0, return_inverse=True)
-        textures = _textures(self.scene, np.unique(distinct[:, 0]).tolist())
+        first, kind = distinct_rows(key)
+        pens = key[first].astype(np.int64)
+        textures = _textures(self.scene, np.unique(pens[:, 0]).tolist())
         found: dict[Material, int] = {}
         number = []
-        for style, color in distinct.tolist():
+        for style, color in pens.tolist():
             material = _material(self.scene.styles[style].material, color, textures.get(style))
             number.append(-1 if material is None else found.setdefault(material, len(found)))
-        return np.array(number, np.int64)[inverse.reshape(-1)], tuple(found)
+        return np.array(number, np.int64)[kind], tuple(found)
 
 
 def _textures(scene: Scene, styles: list[int]) -> dict[int, Texture]:

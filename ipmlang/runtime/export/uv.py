@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ipmlang.formats.distinct import distinct_rows
 from ipmlang.formats.mesh_types import Mesh
 from ipmlang.runtime.export.placing import rotation_matrices
 from ipmlang.runtime.export.sides import in_tiles, on_sides
@@ -19,7 +20,6 @@ from ipmlang.runtime.scene import TextureMaps
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
-Rows = NDArray[np.intp]
 
 _NEAR = 1e6  # texture coordinates that differ by less than a millionth are the same
 _WHOLE = np.eye(2, 3)
@@ -84,7 +84,7 @@ def _projected(mesh: Mesh, matrix: Floats, way: Indices, maps: TextureMaps | Non
     extent = np.ptp(mesh.vertices, axis=0) if len(mesh.vertices) else np.zeros(3)
     size = np.append(np.maximum(extent, np.abs(mesh.vertices).max(axis=0, initial=0.0)), 1.0)
     key = np.rint(total.reshape(len(way), -1) * np.tile(size, 2) * _NEAR)
-    first, which = _distinct(key)
+    first, which = distinct_rows(key)
     points = mesh.vertices[mesh.corners]
     found = [points @ each[:, :3].T + each[:, 3] for each in total[first]]
     return [replace(mesh, uv=each) for each in found], which
@@ -103,7 +103,7 @@ def _fitted(mesh: Mesh, matrix: Floats, way: Indices, maps: TextureMaps | None) 
     tiled = ~np.isnan(tile[:, 0]) & (not has_own)
     lengths[~tiled], tile[~tiled] = 0.0, 0.0  # which then make no difference
     key = np.concatenate([lengths, tile, change.reshape(-1, 6)], axis=1)
-    first, which = _distinct(np.rint(key * _NEAR))
+    first, which = distinct_rows(np.rint(key * _NEAR))
     made = []
     for row in first.tolist():
         if has_own or not tiled[row]:
@@ -114,11 +114,3 @@ def _fitted(mesh: Mesh, matrix: Floats, way: Indices, maps: TextureMaps | None) 
         uv = base @ change[row][:, :2].T + change[row][:, 2]
         made.append(replace(mesh, uv=uv))
     return made, which
-
-
-def _distinct(key: Floats) -> tuple[Rows, Indices]:
-    """The first row of each distinct key, and the number of each row's."""
-    if not len(key) or (key == key[0]).all():
-        return np.arange(min(len(key), 1)), np.zeros(len(key), np.int64)
-    _, first, which = np.unique(key + 0.0, axis=0, return_index=True, return_inverse=True)
-    return first, which.reshape(-1).astype(np.int64)
