@@ -15,7 +15,7 @@ from ipmlang.compiler import ir
 from ipmlang.runtime import questions
 from ipmlang.runtime.algebra import Operand, Source
 from ipmlang.runtime.code import INFIX, Names, expression, source
-from ipmlang.runtime.fields import IDENTITY, UNSET
+from ipmlang.runtime.fields import IDENTITY, TRIM, UNSET
 from ipmlang.runtime.grouping import FIELD
 from ipmlang.runtime.joins import FIELD as JOIN
 from ipmlang.runtime.laying import FIELD as UV
@@ -515,7 +515,7 @@ class Writer:
         if each.op == "resize":
             sizes = (self.source.let(f"run.extent({source(arg)})") for arg in args)
             return {**state, **dict(zip(("sx", "sy", "sz"), sizes, strict=True))}
-        names = [name for name in state if name in FRAME or name in SCOPE_FIELDS]
+        names = [name for name in state if name in FRAME or name in (*SCOPE_FIELDS, TRIM)]
         base = {name: self._base.get(name, state[name]) for name in names}
         what = "center" if each.op == "center" else str(each.const)
         parts = f"'{what}', {scope.count}, {self._values(args)}, {self._mapping(state, names)}"
@@ -560,7 +560,7 @@ class Writer:
         name, number, site = each.const
         assert isinstance(number, int)
         args = [scope.registers[arg] for arg in each.args]
-        names = [name for name in state if name in FRAME or name in SCOPE_FIELDS]
+        names = [name for name in state if name in FRAME or name in (*SCOPE_FIELDS, TRIM)]
         selectors = tuple(part.const for part in each.body if part.op == "part")
         keys = f"({scope.k0}, {scope.k1}, {site}, {scope.tuple})"
         what = f"{name!r}, {selectors!r}, {scope.count}, {self._values(args)}"

@@ -15,6 +15,7 @@ from ipmlang.runtime.laying import FIELD as UV
 from ipmlang.runtime.marks import FIELD as MARK
 from ipmlang.runtime.marks import FIRST, PHASE, asked
 
+TRIM = "trim"  # the number of the face that a shape came of, which `trim` asks for
 FLAT = (1.0, 0.0, 0.0, 0.0)  # heading +x, left +y, up +z
 BOOK = (0.0, 1.0, 0.0, 0.0)  # heading +x, left -y, up -z: the published end points need it
 UPRIGHT = (0.5, 0.5, -0.5, 0.5)  # heading +z, left -x, up -y
@@ -40,6 +41,8 @@ def fields(program: ir.Program) -> dict[str, float]:
     ops = {op for op, _ in used}
     if ops & {"scale", "mirror"} or ("solid", "mirrorScope") in used:
         found["scale"] = 1.0
+    if ("solid", "trim") in used:
+        found[TRIM] = -1.0
     if "lay" in ops:
         found[UV] = -1.0
     if asked(program) is not None:

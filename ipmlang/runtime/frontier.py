@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from ipmlang.compiler import ir
 from ipmlang.runtime import keys
-from ipmlang.runtime.asking import Asking
 from ipmlang.runtime.bind import varied
 from ipmlang.runtime.bodies import OWN, Setting
 from ipmlang.runtime.choose import Choice, ShapeError, module, told
@@ -36,6 +35,7 @@ from ipmlang.runtime.pending import FINAL, Pending, Shapes
 from ipmlang.runtime.scene import SEGMENT
 from ipmlang.runtime.single import Single
 from ipmlang.runtime.solids import AssetSolids
+from ipmlang.runtime.trimming import Trimming
 from ipmlang.runtime.values import Batch, Bound, Scope
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ NARROW = 24  # so few shapes run one by one
 NOTHING = Made(0, 0, np.zeros(0, np.int64))
 
 
-class Frontier(Asking):
+class Frontier(Trimming):
     """One derivation. Bodies call `draw` and `make`, and what `Asking` has for other shapes and
     `Scoping` for parts.
     """

@@ -124,8 +124,10 @@ TAKING_APART = (
            ((Param("front"), Param("left"), Param("right"), Param("back")),),
            ("shapeO(8, 6, 6, 8) { shape: Mass | rest: Court }",), ("shapeO(8) { shape: Mass }",),
            labels=_ARMS),
-    scoped("trim", "Cut the shape with the planes of its neighbours in a split or comp.", ((),),
-           ("trim Wall",), ("trim(1)",), family="solid"),
+    _solid("trim", "Cut the shape by the planes that halve the angles between the face it came of "
+                   "and those beside it, at all its edges or those that stand or lie.",
+           ((), (words("edges", "vertical", "horizontal"),)),
+           ("extrude(0.3) trim Wall", "extrude(-0.3) trim(vertical) Wall"), ("trim(1)",)),
     scoped("union", "Make one solid of those that the parts draw, each from the shape as it is.",
            ((),), ("union { Mass | Wing }",), ("union(3) { Mass }",), labels=("",),
            family="solid", act="join"),
