@@ -21,7 +21,7 @@ from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail
 from ipmlang.edit_commands import edit
 from ipmlang.infer_command import infer_file
 from ipmlang.render_command import render_file
-from ipmlang.telling import findings_record, show, working
+from ipmlang.telling import findings_record, report_lines, show, working
 from ipmlang.vary_command import vary_file
 
 if TYPE_CHECKING:
@@ -182,6 +182,8 @@ def run(
         click.echo(json.dumps(report))
     else:
         click.echo(f"{output}: {len(scene.instances)} terminals in {report['seconds']:.3g} s")
+        for line in report_lines(scene.reports):
+            click.echo(line)
 
 
 @commands.command()
@@ -291,6 +293,9 @@ def run_report(scene: Scene, seconds: float, writing: float, output: Path) -> di
         "peak_memory_bytes": peak_memory(),
         "seed": scene.seed,
         "backend": scene.backend,
+        "reports": {
+            key: {"sum": total, "count": count} for key, (total, count) in scene.reports.items()
+        },
     }
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 import click
@@ -36,6 +36,20 @@ def as_record(diagnostic: Diagnostic) -> dict[str, object]:
         line, column, _ = diagnostic.source.place(diagnostic.start)
         record |= {"file": diagnostic.source.path, "line": line, "column": column}
     return record
+
+
+def report_lines(reports: Mapping[str, tuple[float, int]]) -> list[str]:
+    """What shapes reported, as a table: a line for each key with its sum and how many did.
+
+    >>> report_lines({"area": (12.5, 3)})
+    ['report   sum  count', 'area    12.5      3']
+    """
+    if not reports:
+        return []
+    rows = [("report", "sum", "count")]
+    rows += [(key, f"{total:.10g}", f"{count}") for key, (total, count) in reports.items()]
+    wide = [max(len(row[column]) for row in rows) for column in range(3)]
+    return [f"{a:<{wide[0]}}  {b:>{wide[1]}}  {c:>{wide[2]}}" for a, b, c in rows]
 
 
 def show(found: Sequence[Diagnostic]) -> None:

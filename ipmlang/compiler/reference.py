@@ -101,6 +101,7 @@ REPORT = {
     "stays as it is counts anew in each generation), and every terminal. Operations, brackets and "
     "what stands in a hole of a `repeat` do not count, however a grammar is derived.",
     "generations": "How many parallel steps of rules it took, `interpret` rules apart.",
+    "reports": "For each key that something was reported under, the `sum` and the `count`.",
 }
 
 OPENING = """\

@@ -14,19 +14,19 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ipmlang.geometry.converting import reversed_normals
 from ipmlang.geometry.loops import frame
 from ipmlang.geometry.oriented import NEAR, segment_distances
 from ipmlang.geometry.sharing import first_at_place
 from ipmlang.geometry.solid import (
     Floats,
+    Indices,
     Solid,
+    area_vectors,
     bounds,
     is_closed,
     normals,
-    placed,
     ring_points,
-    volume,
+    solid_of,
 )
 from ipmlang.geometry.triangles import triangles
 
@@ -63,66 +63,92 @@ class Face:
         return first
 
 
-class Body:
-    """A solid that is compared with others; what that needs is found once."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Form:
+    """A solid that is compared with others, and what does not depend on where it lies: triangles
+    (t, 3) of vertex numbers, whether it is closed, and whether it is a point or a segment.
+    """
 
-    def __init__(self, solid: Solid) -> None:
+    solid: Solid
+    triangles: Indices
+    closed: bool
+    thin: bool
+
+    def at(self, vertices: Floats) -> Form:
+        """The same with its vertices elsewhere."""
+        return replace(self, solid=replace(self.solid, vertices=vertices))
+
+
+def form_of(solid: Solid) -> Form:
+    """What is found once about a solid; a mesh of very many triangles is its convex hull."""
+    corners, _ = triangles(solid)
+    if len(corners) > MOST:
+        solid = _hull(solid)
         corners, _ = triangles(solid)
-        if len(corners) > MOST:
-            solid = _hull(solid)
-            corners, _ = triangles(solid)
-        if not is_closed(solid):
-            welded = replace(solid, corners=first_at_place(solid.vertices)[solid.corners])
-            solid = welded if is_closed(welded) else solid
-        self.solid = solid
-        self.triangles = solid.vertices[triangles(solid)[0]]
+    closed = is_closed(solid)
+    if not closed:
+        same = first_at_place(solid.vertices)
+        welded = replace(solid, corners=same[solid.corners])
+        if is_closed(welded):
+            solid, corners, closed = welded, same[corners], True
+    return Form(solid, corners, closed, not area_vectors(solid).any())
+
+
+class Body:
+    """A form in the coordinates in which a pair is compared; what that needs is found once."""
+
+    def __init__(self, form: Form) -> None:
+        self.form = form
+        self.triangles = form.solid.vertices[form.triangles]
 
     @cached_property
     def manifold(self) -> manifold3d.Manifold | None:
         """The closed solid; None where it is open, or crosses itself."""
         import manifold3d
 
-        if not is_closed(self.solid):
+        if not self.form.closed:
             return None
-        solid = reversed_normals(self.solid) if volume(self.solid) < 0 else self.solid
-        corners = triangles(solid)[0].astype(np.uint64)
-        made = manifold3d.Manifold(manifold3d.Mesh64(np.ascontiguousarray(solid.vertices), corners))
+        a, b, c = np.moveaxis(self.triangles, 1, 0)
+        inward = np.einsum("tc,tc->", a, np.cross(b, c)) < 0
+        corners = self.form.triangles[:, ::-1] if inward else self.form.triangles
+        mesh = manifold3d.Mesh64(
+            np.ascontiguousarray(self.form.solid.vertices), corners.astype(np.uint64)
+        )
+        made = manifold3d.Manifold(mesh)
         return made if made.status() == manifold3d.Error.NoError and made.volume() > 0 else None
 
     @cached_property
     def faces(self) -> list[Face]:
         """All faces with area."""
         found = []
-        for number, normal in enumerate(normals(self.solid)):
+        for number, normal in enumerate(normals(self.form.solid)):
             if normal.any():
                 across = frame((float(normal[0]), float(normal[1]), float(normal[2])))
                 axes = np.array((*across, normal))
-                found.append(Face(ring_points(self.solid, number), axes))
+                found.append(Face(ring_points(self.form.solid, number), axes))
         return found
 
 
 def _hull(solid: Solid) -> Solid:
     import manifold3d
 
-    from ipmlang.geometry.solid import solid_of
-
     mesh = manifold3d.Manifold.hull_points(np.ascontiguousarray(solid.vertices)).to_mesh64()
     corners = np.asarray(mesh.tri_verts).astype(np.int64)
     return solid_of(np.asarray(mesh.vert_properties)[:, :3], corners[:, None].tolist())
 
 
-def contact(a: Solid, b: Solid) -> Contact:
+def contact(a: Form, b: Form) -> Contact:
     """What `a` is to `b`.
 
     >>> from ipmlang.geometry.solid import placed, unit_box
-    >>> contact(unit_box(), placed(unit_box(), (1, 1, 1), (1, 0, 0)))
+    >>> contact(form_of(unit_box()), form_of(placed(unit_box(), (1, 1, 1), (1, 0, 0))))
     Contact(inside=False, overlaps=False, touches=True)
     """
     one, other, _ = _scaled(a, b)
     near = NEAR * UNITS
-    if not one.faces:
+    if a.thin:
         inside, overlaps = _thin(one, other, near)
-    elif not other.faces:
+    elif b.thin:
         inside, overlaps = False, _thin(other, one, near)[1]
     elif one.manifold is not None and other.manifold is not None:
         inside, overlaps = _solids(one, other, near)
@@ -135,7 +161,7 @@ def contact(a: Solid, b: Solid) -> Contact:
     return Contact(inside, overlaps, not overlaps and _gap(one, other) <= near)
 
 
-def distance(a: Solid, b: Solid) -> float:
+def distance(a: Form, b: Form) -> float:
     """How far two solids are apart, 0 where they overlap or touch."""
     one, other, scale = _scaled(a, b)
     gap = _gap(one, other)
@@ -144,15 +170,15 @@ def distance(a: Solid, b: Solid) -> float:
     return gap / scale
 
 
-def _scaled(a: Solid, b: Solid) -> tuple[Body, Body, float]:
+def _scaled(a: Form, b: Form) -> tuple[Body, Body, float]:
     """Both near 0, and of the size that is compared with least error; the factor."""
-    lows, highs = zip(bounds(a), bounds(b), strict=True)
+    lows, highs = zip(bounds(a.solid), bounds(b.solid), strict=True)
     low, high = np.min(lows, axis=0), np.max(highs, axis=0)
     size = max(float((top - bottom).max()) for bottom, top in zip(lows, highs, strict=True))
     scale = UNITS / size if size > 0 else 1.0
     middle = (low + high) / 2
-    one, other = (placed(each, np.full(3, scale), -middle * scale) for each in (a, b))
-    return Body(one), Body(other), scale
+    one, other = (Body(each.at((each.solid.vertices - middle) * scale)) for each in (a, b))
+    return one, other, scale
 
 
 # ------------------------------------------------------------------------------- closed solids
@@ -208,16 +234,15 @@ def _length(ring: Floats) -> float:
 # ------------------------------------------------------------------------------ points and lines
 
 
-def thin(start: Floats, end: Floats) -> Solid:
+def thin(start: Floats, end: Floats) -> Form:
     """A segment, or a point, for comparing with solids."""
-    from ipmlang.geometry.solid import solid_of
-
-    return solid_of(np.array((start, end, end)), [[[0, 1, 2]]])
+    corners = np.array([[0, 1, 2]])
+    return Form(solid_of(np.array((start, end, end)), [corners.tolist()]), corners, False, True)
 
 
 def _thin(a: Body, b: Body, near: float) -> tuple[bool, bool]:
     """The same for a point or a segment: the planes of `b` part it, each part is in or out."""
-    start, end = a.solid.vertices[0], a.solid.vertices[1]
+    start, end = a.form.solid.vertices[:2]
     planes = np.array([(*face.axes[2], face.axes[2] @ face.origin) for face in b.faces])
     high = np.stack([start, end]) @ planes[:, :3].T - planes[:, 3]
     through = np.flatnonzero(high.min(axis=0) * high.max(axis=0) < 0)

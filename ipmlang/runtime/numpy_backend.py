@@ -80,8 +80,7 @@ def derive_frontier(
         shapes=frontier.shapes + frontier.drawings,
     )
     made.solids = frontier.pool.solids()
-    made.reports = {key: (total, frontier.reports.counts[key])
-                    for key, total in sorted(frontier.reports.sums.items())}  # fmt: skip
+    made.reports = frontier.reports.sums()
     made.notes += frontier.notes + unfit_notes(program, frontier.reports)
     return made
 

@@ -14,14 +14,14 @@ import numpy as np
 
 from ipmlang.compiler.ops.queries import FAR
 from ipmlang.geometry import oriented
-from ipmlang.geometry.contacts import contact, distance, thin
+from ipmlang.geometry.contacts import Form, contact, distance, form_of, thin
 from ipmlang.geometry.hierarchy import Tree
 from ipmlang.geometry.oriented import Boxes, Flags
-from ipmlang.geometry.solid import Floats, Solid
+from ipmlang.geometry.solid import Floats
 from ipmlang.runtime.boxes import ROTATION, SIZES, full, hand, rotated
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.marks import FIELD, NAMED, Marks, Numbers
-from ipmlang.runtime.pool import NOTHING, Pool
+from ipmlang.runtime.pool import BOX, NOTHING, Pool
 
 NEIGHBOURS = 8  # of a shape, in which the nearest is looked for first
 
@@ -42,17 +42,20 @@ class Scopes:
     def __len__(self) -> int:
         return len(self.corner)
 
-    def solid(self, row: int) -> Solid:
+    def form(self, row: int) -> Form:
         """The geometry of one shape in the world."""
         size = 2 * self.boxes.half[row]
         axes = self.boxes.axes[row] * np.array((self.hand[row], 1.0, 1.0))[:, None]
         if (size > 0).sum() < 2:
             middle, along = self.boxes.middle[row], self.boxes.half[row] @ self.boxes.axes[row]
             return thin(middle - along, middle + along)
-        from dataclasses import replace
-
-        local = self.pool.local(int(self.geometry[row]) or 1, size)
-        return replace(local, vertices=local.vertices @ axes + self.corner[row])
+        number = int(self.geometry[row]) or BOX
+        flat = tuple(size <= 0)
+        key = ("form", number, flat)  # what a form holds does not depend on how it is stretched
+        unit = np.where(flat, 0.0, 1.0)
+        form = self.pool.derived(key, lambda: form_of(self.pool.local(number, unit)))
+        assert isinstance(form, Form)
+        return form.at((form.solid.vertices * size) @ axes + self.corner[row])
 
 
 def scopes_of(state: Mapping[str, Column], count: int, rows: Numbers | None, pool: Pool) -> Scopes:
@@ -287,8 +290,8 @@ class _Asking:
         """Which pairs are boxes both."""
         return self._scopes.plain[self._rows[one]] & self._layer.scopes.plain[other]
 
-    def _pair(self, one: int, other: int) -> tuple[Solid, Solid]:
-        return self._scopes.solid(int(self._rows[one])), self._layer.scopes.solid(int(other))
+    def _pair(self, one: int, other: int) -> tuple[Form, Form]:
+        return self._scopes.form(int(self._rows[one])), self._layer.scopes.form(int(other))
 
     def _related(self, one: Numbers, other: Numbers) -> Flags:
         """Which pairs are of one line of descent."""

@@ -137,7 +137,8 @@ class Scene:
     """Everything an exporter needs. `flat`: nothing leaves z = 0. `canvas`: x, y, width,
     height, y up. `shapes`: the start, all modules made whose symbols have rules, and all terminals.
     `groups`: what `effect` wraps, None where nothing does. `solids`: geometry in the unit box of
-    its scope; a row's size stretches it, along an axis of size 0 by 1.
+    its scope; a row's size stretches it, along an axis of size 0 by 1. `reports`: for each key that
+    something was reported under, the sum and how many did.
     """
 
     instances: Instances

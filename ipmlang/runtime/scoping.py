@@ -7,8 +7,10 @@ scope. Children and drawings are not made here.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,11 +36,17 @@ Keys = tuple[Words, Words, int, tuple[Words, ...]]
 
 @dataclass(slots=True, eq=False)
 class Reports:
-    """Sums by key, and how many parts of splits did not fit, by production."""
+    """What was reported by key, and how many parts of splits did not fit, by production."""
 
-    sums: dict[str, float] = field(default_factory=dict)
-    counts: dict[str, int] = field(default_factory=dict)
+    values: dict[str, list[Floats]] = field(default_factory=dict)
     unfit: dict[int, int] = field(default_factory=dict)
+
+    def sums(self) -> dict[str, tuple[float, int]]:
+        """The sum of each key, in whatever order it was reported, and how many did."""
+        return {
+            key: (math.fsum(chain(*parts)), sum(map(len, parts)))
+            for key, parts in sorted(self.values.items())
+        }
 
 
 class Scoping(Copying):
@@ -319,8 +327,10 @@ class Scoping(Copying):
             keys, values = keys[shown], values[shown]
         for number in distinct(keys)[0].tolist():
             key, own = self.program.strings[int(number)], values[keys == number]
-            self.reports.sums[key] = self.reports.sums.get(key, 0.0) + float(own.sum())
-            self.reports.counts[key] = self.reports.counts.get(key, 0) + len(own)
+            if not np.isfinite(own).all():
+                message = f'it reports what is no finite number under "{key}"'
+                raise self.counted.error("not-a-number", message)
+            self.reports.values.setdefault(key, []).append(own)
 
     # ------------------------------------------------------------------------ trouble
 
