@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     metavar="NAME|AZIMUTH,ELEVATION",
     help="front, back, left, right, top, iso, or degrees around from the front and above",
 )
-@click.option("--turntable", type=click.IntRange(2, 720), help="so many pictures all around it")
+@click.option("--turntable", type=click.IntRange(2, 360), help="so many pictures all around it")
 @click.option("--ground/--no-ground", default=True, help="a ground that takes the shadow")
 @click.option(
     "--background",

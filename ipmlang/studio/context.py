@@ -26,11 +26,18 @@ _VERSION = 330
 
 @contextmanager
 def gl_context() -> Iterator[moderngl.Context]:
-    """A context of OpenGL 3.3 or later; an `IpmError` that names the packages if there is none."""
+    """A context of OpenGL 3.3 or later; an `IpmError` that names the packages if there is none, and
+    another one if what is drawn in the block is too much for it.
+    """
     context = _created()
+    from moderngl import Error
+
     try:
         context.gc_mode = "context_gc"
         yield context
+    except Error as error:
+        hint = "ask for a smaller --size, or draw in software: LIBGL_ALWAYS_SOFTWARE=1 ipmlang …"
+        raise fail("cannot-draw", f"OpenGL refused to draw this: {error}", hint=hint) from error
     finally:
         context.gc()
         context.release()

@@ -10,6 +10,8 @@ from PIL import Image
 
 import ipmlang
 from ipmlang.cli import run_command_line
+from ipmlang.compiler.diagnostics import IpmError
+from ipmlang.studio.context import gl_context
 
 TREE = """\
 ipm 1
@@ -32,6 +34,14 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def render(*words: str) -> int:
     return run_command_line(["render", *words, "--size", "80x50"])
+
+
+@pytest.mark.usefixtures("opengl")
+def test_a_context_is_released_and_its_errors_are_explained() -> None:
+    with pytest.raises(IpmError) as caught, gl_context() as context:
+        context.framebuffer([context.texture((10**6, 10**6), 4)])
+    assert caught.value.diagnostics[0].code == "cannot-draw"
+    assert "Invalid" in type(context.mglo).__name__
 
 
 @pytest.mark.usefixtures("opengl")
@@ -127,7 +137,7 @@ def _without_opengl(**settings: str) -> None:
         (("tree.ipm", "-o", "x.svg"), 2, ".png, .webp"),
         (("tree.ipm", "-o", "x.gif"), 2, ".png, .webp"),
         (("tree.ipm", "-o", "x.png", "--turntable", "4"), 2, "name-%03d.png"),
-        (("tree.ipm", "-o", "x.png", "--turntable", "1"), 2, "2<=x<=720"),
+        (("tree.ipm", "-o", "x.png", "--turntable", "1"), 2, "2<=x<=360"),
         (("tree.ipm", "-o", "no/x.png"), 1, "there is no folder"),
         (("tree.ipm", "-o", "x.png", "--view", "botom"), 2, "is no view"),
         (("tree.ipm", "-o", "x.png", "--background", "pinkish"), 2, "is no colour"),
