@@ -252,7 +252,7 @@ class Writer:
         if isinstance(scale, float):
             return 1.0 if scale > 0 else -1.0
         mirrors = any(
-            each.op == "mirror"
+            each.op == "mirror" or (each.op == "solid" and each.const == "mirrorScope")
             for symbol in self._setting.program.symbols
             for each in symbol.meaning or ()
         )
@@ -617,7 +617,9 @@ def changed_by(name: str) -> tuple[str, ...]:
     return (*MOVED, *SCOPE_FIELDS, *turned)
 
 
-TURNING = frozenset({"rotateScope", "mirrorScope", "alignScopeToAxes", "alignScopeToGeometry"})
+TURNING = frozenset(
+    {"rotate", "rotateScope", "mirrorScope", "alignScopeToAxes", "alignScopeToGeometry"}
+)
 
 
 def _field(each: ir.Instruction) -> str:

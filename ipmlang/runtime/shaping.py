@@ -26,6 +26,7 @@ from ipmlang.runtime.bodies import TURNING
 from ipmlang.runtime.boxes import SIZES, State, full
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.pool import BOX, Pool
+from ipmlang.runtime.primitives import unit
 from ipmlang.runtime.tables import distinct
 
 Value: TypeAlias = "float | str | None"
@@ -188,8 +189,7 @@ def _inserted(given: Given, state: State, asset: int) -> State:
             np.where(np.isnan(factor), own * one, size)
             for factor, own, size in zip(factors, natural.tolist(), scope, strict=True)
         ]
-    share = {"corner": (0.0, 0.0, 0.0), "bottom": (0.5, 0.5, 0.0),
-             "middle": (0.5, 0.5, 0.5), "top": (0.5, 0.5, 1.0)}[align]  # fmt: skip
+    share = SHARES[align]
     x, y, z = (
         np.where(size > 0, (size - own) * part, 0.0)
         for size, own, part in zip(scope, sizes, share, strict=True)
@@ -220,6 +220,21 @@ def _tag(given: Given, state: State) -> State | None:
     return {"geo": found if found.ndim else float(found)}
 
 
+def _rotate(given: Given, state: State) -> State:
+    """The scope turned about the middle of its bottom, of its box or of its top."""
+    share = SHARES[str(given.word(3))]
+    center = tuple(state[name] * part for name, part in zip(SIZES, share, strict=True))
+    found = {**state, **boxes.moved(state, center)}  # type: ignore[arg-type]
+    for axis, angle in enumerate(given.args[:3]):
+        turn: list[Column] = [0.0, 0.0, 0.0, 0.0]
+        turn[0], turn[axis + 1] = unit(np.asarray(angle) * 0.5)
+        found.update(boxes.turned(found, tuple(turn)))
+    found.update(boxes.moved(found, tuple(-each for each in center)))  # type: ignore[arg-type]
+    return found
+
+
+SHARES = {"corner": (0.0, 0.0, 0.0), "bottom": (0.5, 0.5, 0.0),
+          "middle": (0.5, 0.5, 0.5), "top": (0.5, 0.5, 1.0)}  # fmt: skip
 FAST: Mapping[str, Callable[[Given, State], State | None]] = {
     "extrude": _extrude,
     "cube": _cube,
@@ -229,6 +244,7 @@ FAST: Mapping[str, Callable[[Given, State], State | None]] = {
     "sphere": _primitive,
     "disk": _primitive,
     "mirrorScope": _mirror,
+    "rotate": _rotate,
     "insert": _insert,
     "tag": _tag,
 }

@@ -25,7 +25,10 @@ def check_arguments(
 ) -> None:
     """Check the arguments of one use of an operation."""
     placed = _in_place(record, args)
-    form = next((each for each in record.forms if takes(each, len(placed))), None)
+    named = {argument.name for argument in args if argument.name is not None}
+    fitting = [each for each in record.forms if takes(each, len(placed))]
+    knowing = [each for each in fitting if named <= {param.name for param in each}]
+    form = next(iter([*knowing, *fitting]), None)
     if form is None:
         scope.findings.trouble(
             span,

@@ -7,6 +7,7 @@ is one that no executor runs yet: `run` names it.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from ipmlang.compiler.ops.record import Effect, Family, Operation, Param, Step, ValueType
 
@@ -75,9 +76,14 @@ PLACE = (
     scoped("translate", "Move the scope along its own axes.", (_XYZ,),
             ("translate(1, 0, 0) Window",), ("translate(1, 0)", 'translate("x", 0, 0)'),
             synonyms=("t",), meaning=(Step("move", ("x", "y", "z")),)),
-    scoped("rotate", "Turn the scope about its own x, then y, then z axis, in degrees.", (_XYZ,),
-            ("rotate(0, 0, 90) Window",), ("rotate(90)",), synonyms=("r",),
-            meaning=tuple(Step("rotate", (axis,), axis) for axis in "xyz")),
+    replace(
+        scoped("rotate", "Turn the scope about its own x, then y, then z axis, in degrees: about "
+               "its origin, or the middle of its bottom, of its box or of its top.",
+               (_XYZ, (*_XYZ, words("about", "bottom", "middle", "top", named=True))),
+               ("rotate(0, 0, 90) Window", "rotate(0, 0, 45, about: middle) Vane"),
+               ("rotate(90)", "rotate(0, 0, 45, about: q)"), synonyms=("r",)),
+        meaning=(tuple(Step("rotate", (axis,), axis) for axis in "xyz"),
+                 (Step("solid", ("x", "y", "z", "about"), "rotate"),))),
     scoped("rotateScope", "Turn the scope about its own axes and leave the geometry where it is.",
             (_XYZ,), ("rotateScope(0, 90, 0) Wall",), ("rotateScope(1)",), act="solid"),
     scoped("size", "Set the scope's extent along x, y and z; its geometry is scaled with it.",
@@ -96,10 +102,6 @@ PLACE = (
             "its lowest or longest edge.",
             ((), (words("edge", "lowest", "longest", "first"),)),
             ("alignScopeToGeometry Roof",), ("alignScopeToGeometry(3)",), act="solid"),
-    scoped("pivot", "Put the scope's origin at a corner, an edge's middle or the middle of its "
-                     "box.",
-            ((words("place", "corner", "bottom", "middle", "top"),),), ("pivot(middle) Lamp",),
-            ("pivot(9)",), act="solid"),
 )  # fmt: skip
 
 FLOW = (
