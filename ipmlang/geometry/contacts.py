@@ -246,14 +246,15 @@ def _thin(a: Body, b: Body, near: float) -> tuple[bool, bool]:
     planes = np.array([(*face.axes[2], face.axes[2] @ face.origin) for face in b.faces])
     high = np.stack([start, end]) @ planes[:, :3].T - planes[:, 3]
     through = np.flatnonzero(high.min(axis=0) * high.max(axis=0) < 0)
-    shares = np.unique([0.0, *(high[0] / (high[0] - high[1]))[through], 1.0])
+    crossed = high[:, through]
+    shares = np.unique([0.0, *(crossed[0] / (crossed[0] - crossed[1])), 1.0])
     middles = start + ((shares[1:] + shares[:-1]) / 2)[:, None] * (end - start)
     on = np.array([_gap_of(point, b) <= near for point in middles])
     if b.manifold is not None:
         within = _winding(middles, b.triangles) > 0.5
         return bool((within | on).all()), bool((within & ~on).any())
     pierced = start + shares[1:-1, None] * (end - start)
-    ends = (np.abs(high[:, through]) > near).all(axis=0)
+    ends = (np.abs(crossed) > near).all(axis=0)
     return bool(on.all()), bool(ends.any()) and any(_gap_of(p, b) <= near for p in pierced)
 
 

@@ -21,6 +21,7 @@ from ipmlang.geometry.solid import Floats
 from ipmlang.runtime.boxes import ROTATION, SIZES, full, hand, rotated
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.marks import FIELD, NAMED, Marks, Numbers
+from ipmlang.runtime.nesting import Nesting, nesting
 from ipmlang.runtime.pool import BOX, NOTHING, Pool
 
 NEIGHBOURS = 8  # of a shape, in which the nearest is looked for first
@@ -129,6 +130,7 @@ class Occluders:
         self._layers: dict[int, Layer] = {}
         self._order = np.argsort(marks.key, kind="stable")
         self._keys = marks.key[self._order]
+        self._nesting = nesting(marks.parent)
 
     def answer(
         self, name: str, label: Numbers, asking: Scopes, rows: Numbers, marks: Marks
@@ -144,7 +146,7 @@ class Occluders:
             layer = self._layer(each)
             if layer.tree is None:
                 continue
-            one = _Asking(self._marks, layer, asking, asked, own[asked], first[asked])
+            one = _Asking(self._nesting, layer, asking, asked, own[asked], first[asked])
             found[asked] = one.nearest() if name == "distance" else one.any(name)
         return found
 
@@ -211,14 +213,14 @@ class _Asking:
 
     def __init__(
         self,
-        marks: Marks,
+        nesting: Nesting,
         layer: Layer,
         asking: Scopes,
         rows: Numbers,
         own: Numbers,
         first: Numbers,
     ) -> None:
-        self._marks = marks
+        self._nesting = nesting
         self._layer = layer
         self._scopes = asking
         self._rows = rows
@@ -296,16 +298,5 @@ class _Asking:
     def _related(self, one: Numbers, other: Numbers) -> Flags:
         """Which pairs are of one line of descent."""
         row, around = self._layer.row[other], self._layer.around[other]
-        own, first = self._own[one], self._first[one]
-        above = (row >= 0) & self._descends(first, row)
-        return above | ((own >= 0) & self._descends(around, own))
-
-    def _descends(self, rows: Numbers, above: Numbers) -> Flags:
-        """Whether each row is another or stands in it; rows around others have lower numbers."""
-        found = rows.copy()
-        open_ = np.flatnonzero((above >= 0) & (found > above))
-        while len(open_):
-            found[open_] = self._marks.parent[found[open_]]
-            open_ = open_[found[open_] > above[open_]]
-        same: Flags = (found == above) & (above >= 0)
-        return same
+        above = self._nesting.holds(row, self._first[one])
+        return above | self._nesting.holds(self._own[one], around)
