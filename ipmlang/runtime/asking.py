@@ -29,15 +29,17 @@ if TYPE_CHECKING:
 
 
 class Asking(Scoping):
-    """The part of a run that knows other shapes. `answers`: what an earlier pass made."""
+    """The part of a run that knows other shapes. `answers`: what an earlier pass made;
+    `first_pass`: this is the earlier pass.
+    """
 
     def __init__(
         self, program: ir.Program, counted: Counted, load: Load, answers: Occluders | None
     ) -> None:
         super().__init__(program, counted, load)
         self.asked = asked(program)
-        first = self.asked is not None and self.asked.occlusion and answers is None
-        self.marks = Marks(keeps=first)
+        self.first_pass = self.asked is not None and self.asked.occlusion and answers is None
+        self.marks = Marks(keeps=self.first_pass)
         self.phase = FIRST
         self.answers = answers
         self._totals: Totals | None = None

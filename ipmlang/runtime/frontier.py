@@ -183,7 +183,11 @@ class Frontier(Trimming):
         self.order.records.append(Record(shapes.numbers, slots))  # type: ignore[arg-type]
 
     def _keep(self, symbol: int, generation: int, shapes: Shapes, batch: Batch) -> None:
-        """Shapes that no production takes: they stay, with a key of their own, or are an error."""
+        """Shapes that no production takes: they stay, with a key of their own, or are an error; in
+        a first pass, where no answer is known, they end.
+        """
+        if self.steps is None and self.following < FINAL and self.first_pass:
+            return
         if self.steps is None and self.following < FINAL:
             self.none(symbol, batch, shapes.numbers)
         slot = self.make(

@@ -43,11 +43,10 @@ def derive_frontier(
     bound = Bound(program, attrs, FUNCTIONS)
     initial = fields(program)
     frontier = Frontier(bound, initial, limits, steps_of(bound, seed))
-    again = frontier.asked is not None and frontier.asked.occlusion
     with np.errstate(all="ignore"):  # what is not finite is an error, not a warning
         try:
             frontier.run(seed)
-            if again:
+            if frontier.first_pass:
                 answers = frontier.occluders()
                 frontier = Frontier(bound, initial, limits, steps_of(bound, seed), answers)
                 frontier.run(seed)

@@ -275,3 +275,15 @@ def test_a_repeat_that_moves_on_by_an_answer_is_refused_with_a_hint() -> None:
     text = 'start Lot on box(9, 1, 1)\nLot --> repeat(i < 3) { f(distance("x")) F(1) }'
     with pytest.raises(IpmError, match="moves on"):
         run(text)
+
+
+def test_a_rule_without_else_may_wait_for_the_answer() -> None:
+    text = """
+start Lot on box(4, 1, 1)
+Lot --> split x { 2: Wall | 2: Tile }
+Wall --> Stone
+Tile : touches("Wall") --> Beside
+"""
+    assert drawn(run(text)) == {"Stone": 1, "Beside": 1}
+    with pytest.raises(IpmError, match="no production of Tile"):
+        run(text.replace('touches("Wall")', 'overlaps("Wall")'))

@@ -70,11 +70,14 @@ def _asked(
 _PASSES = (
     " A program that asks is derived twice: the first time the answer is {first}, the second time "
     "it is about what the first made, so that it does not depend on the order of rules. A shape "
-    "is never tested against itself, what it descends from, or what descends from it."
+    "is never tested against itself, what it descends from, or what descends from it; parts, "
+    "copies of a `repeat` and brackets that ask are shapes of their own. Where no production "
+    "applies in the first pass, the shape ends there."
 )
 _OTHERS = (
     " Without a label all shapes are meant that are drawn or were given a label with `label`; with "
-    "one, those that were given it, and those whose symbol is called so."
+    "one, those that were given it, and those whose symbol is called so. A shape without geometry "
+    "is its scope, perhaps a point; a mesh of over 2000 triangles is its convex hull."
 )
 _PHASES = " It is about shapes of phases before the one that asks (see `phase`)"
 

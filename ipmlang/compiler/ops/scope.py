@@ -120,7 +120,8 @@ FLOW = (
     scoped("phase", "Expand the shapes that follow, and all that they make, only when all of "
             "earlier phases are done: their guards and bodies can ask for `count`, `total`, "
             "`rank` and `share` of what those made. Phases have numbers; a derivation starts in "
-            "phase 1, and a shape never goes back to an earlier one.",
+            "phase 1, and a shape never goes back to an earlier one. What stands behind `phase` in "
+            "the same body is worked on at once: let the shape that follows ask.",
             ((Param("number", "int", above=0),),), ("phase(2) Door",),
             ("phase", "phase(0)", "phase(1.5)"), effect="structure", act="phase"),
 )  # fmt: skip
