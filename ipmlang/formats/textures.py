@@ -37,13 +37,7 @@ def texture_of(name: str, content: bytes) -> Texture:
 
 def texture_at(path: Path) -> Texture:
     """The image in a file, of which only the beginning is read now."""
-    try:
-        with path.open("rb") as file:
-            head = file.read(_HEAD)
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise FormatError(f"cannot read the image {path.name}: {reason}") from error
-    return Texture(path.stem, _suffix(head, path.name), path)
+    return Texture(path.stem, _suffix(_head(path), path.name), path)
 
 
 def texture_beside(folder: Path, reference: str) -> Texture:
@@ -81,11 +75,8 @@ def has_alpha(texture: Texture) -> bool:
     """Whether an image has an opacity of its own: by colour type, or by an entry for it."""
     if texture.suffix != PNG:
         return False
-    if isinstance(texture.source, bytes):
-        head = texture.source[:_HEAD]
-    else:
-        with texture.source.open("rb") as file:
-            head = file.read(_HEAD)
+    source = texture.source
+    head = source[:_HEAD] if isinstance(source, bytes) else _head(source)
     if head[25] in (4, 6):
         return True
     place = 8
@@ -95,6 +86,18 @@ def has_alpha(texture: Texture) -> bool:
             return bool(kind == b"tRNS")
         place += 12 + size
     return False
+
+
+def _head(path: Path) -> bytes:
+    """The beginning of a file; a pipe or a device is none."""
+    try:
+        if path.exists() and not (path.is_file() or path.is_dir()):
+            raise FormatError(f"the image {path.name} is no file")
+        with path.open("rb") as file:
+            return file.read(_HEAD)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise FormatError(f"cannot read the image {path.name}: {reason}") from error
 
 
 def _suffix(head: bytes, name: str) -> str:

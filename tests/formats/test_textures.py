@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+import os
 import struct
 from dataclasses import replace
 from io import BytesIO
@@ -174,6 +175,7 @@ def test_libraries_say_colour_opacity_and_image(tmp_path: Path) -> None:
         ("empty.png", "is empty"),
         ("void.png", "has no pixels"),
         ("sub", "is a directory"),
+        ("pipe.png", "is no file"),
     ],
 )
 def test_images_that_cannot_be_used_are_noted(name: str, said: str, tmp_path: Path) -> None:
@@ -184,6 +186,7 @@ def test_images_that_cannot_be_used_are_noted(name: str, said: str, tmp_path: Pa
     (folder / "link.png").symlink_to(tmp_path / "secret.png")
     (folder / "text.png").write_text("no image at all, though its name says so")
     (folder / "empty.png").write_bytes(b"")
+    os.mkfifo(folder / "pipe.png")
     (folder / "void.png").write_bytes(png(1)[:16] + bytes(8) + png(1)[24:])
     (folder / "m.mtl").write_text(f"newmtl a\nmap_Kd {name}\n")
     (folder / "a.obj").write_text(f"mtllib m.mtl\nusemtl a\n{QUAD}")
