@@ -143,7 +143,8 @@ def best_grammar(
         if irregular and len(observed) <= MOST_SCATTERED and not attempts:
             say("looking for lattices")
             again = [_searched(goal, way, say, memory, True) for way in _ways(goal)]
-            found = _shorter(found, [each for each in again if each.book.lattices])
+            again = [each for each in again if each.book.lattices]
+            found = _better(found, again, options.symmetrize)
         attempts += _written_out(found, len(observed))
         asked = options.paper or options.symmetrize
         if not (found.book.lattices or asked):
@@ -168,13 +169,18 @@ def _alike(book: Book) -> int:
     return max(often.values(), default=0)
 
 
-def _shorter(found: Found, regular: list[Found]) -> Found:
+def _better(found: Found, regular: list[Found], symmetrize: bool) -> Found:
     """What is found, or the best of what begins with lattices: by the weight of its numbers, since
-    residuals have few digits, but never for many more tokens.
+    residuals have few digits, but never for many more tokens; where what is regular is asked for,
+    by what rules explain.
     """
     most = NOISE_TOKENS * found.written.tokens + 40
-    better = [each for each in regular if each.written.tokens <= most]
-    return min([found, *better], key=lambda each: each.written.weight)
+    better = [found, *(each for each in regular if each.written.tokens <= most)]
+    elements = len(found.subject.observed)
+    ruled = {id(each): _counts(each.book, elements).explained for each in better}
+    if symmetrize:
+        return min(better, key=lambda each: (-round(ruled[id(each)], 2), each.written.weight))
+    return min(better, key=lambda each: each.written.weight)
 
 
 def _ways(goal: Goal) -> list[Instanced]:

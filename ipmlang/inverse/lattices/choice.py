@@ -11,19 +11,20 @@ from collections.abc import Iterator
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ipmlang.inverse.lattices.build import Lattice
 from ipmlang.inverse.lattices.find import find_lattices
 from ipmlang.inverse.lattices.formula import LatticeRule, lattice_rule
 from ipmlang.inverse.lsystem.frames import Floats, Frames, compose, inverse
 from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers, joined
-from ipmlang.inverse.score import TABLE_ROWS
+from ipmlang.inverse.score import AROUND, INLINE_ROWS, TABLE, TABLE_ROWS
 
 LEAST = 4  # placements of one symbol among which anything is looked for
 NOISE = 0.015  # of the step: what members may be off and still belong
 ROUNDS = 4  # of looking again at what is left of one symbol
 RULE = 34.0  # tokens of a lattice's rule, usually
+CHANGE = 8.0  # more of one that turns about a centre, of turns and of growth
+RESIDUAL = 10.0  # of what reads a table of residuals
 DIGITS = 4.0  # of a number that weighs as much as another token
 
 
@@ -66,12 +67,14 @@ def choose_lattices(
     left = np.ones(len(string), np.bool_)
     chosen: list[LatticeRule] = []
     plain = string.wrap == string.wrap[0] if len(string) else left
-    tabled = _in_tables(string)
+    if not scattered:  # what is not painted one after the other need not be looked at
+        plain &= _runs(string) >= LEAST
+    beside = _beside_numbers(string)
     for symbol in np.unique(string.symbol).tolist():
         for _ in range(ROUNDS):
             rows = np.flatnonzero((string.symbol == symbol) & left & plain)
             found = _lattices(alphabet, string, symbol, rows, noise, known)
-            made = list(_of_symbol(alphabet, string, symbol, rows, found, tabled, scattered))
+            made = list(_of_symbol(alphabet, string, symbol, rows, found, beside, scattered))
             if not made:
                 break
             chosen += made
@@ -114,11 +117,11 @@ def _of_symbol(
     symbol: int,
     rows: Integers,
     found: list[Lattice],
-    tabled: NDArray[np.bool_],
+    beside: Floats,
     scattered: bool,
 ) -> Iterator[LatticeRule]:
     """Lattices of one symbol that share no member, best first; `rows` are rows of the string;
-    tabled: (n,) rows that would stand in tables.
+    beside: (n,) tokens of each row of the string beside its numbers.
     """
     definition = alphabet[symbol]
     used = np.zeros(len(string), np.bool_)
@@ -132,23 +135,31 @@ def _of_symbol(
         together = bool((np.diff(members) == 1).all())
         if not (scattered or together):
             continue
-        if not used[members].any() and _gain(rule, string, members, tabled, alphabet) > 0:
+        if not used[members].any() and _gain(rule, string, members, beside, alphabet) > 0:
             used[members] = True
             yield rule.of(members)
 
 
-def _in_tables(string: Arrangement) -> NDArray[np.bool_]:
-    """(n,) rows in runs of one symbol that are long enough for a table."""
-    edges = np.flatnonzero(np.diff(string.symbol, prepend=-1, append=-1))
-    sizes = np.diff(edges)
-    return np.repeat(sizes >= TABLE_ROWS, sizes)
+def _beside_numbers(string: Arrangement) -> Floats:
+    """(n,) tokens of a placement beside its numbers: less in runs long enough for a table, where
+    each row has its share of what the table itself takes.
+    """
+    sizes = _runs(string)
+    tabled = np.where(sizes <= INLINE_ROWS, 2.0, 0.0) + TABLE / np.maximum(sizes, 1)
+    return np.where(sizes >= TABLE_ROWS, np.minimum(tabled, AROUND), AROUND)
+
+
+def _runs(string: Arrangement) -> Integers:
+    """(n,) how long the run of one symbol is in which each placement stands."""
+    sizes = np.diff(np.flatnonzero(np.diff(string.symbol, prepend=-1, append=-1)))
+    return np.repeat(sizes, sizes)
 
 
 def _gain(
     rule: LatticeRule,
     string: Arrangement,
     members: Integers,
-    tabled: NDArray[np.bool_],
+    beside: Floats,
     alphabet: Alphabet,
 ) -> float:
     """Tokens saved, numbers weighed by their digits."""
@@ -158,12 +169,17 @@ def _gain(
     before = sum(
         _digits(value, error).sum() for value, error, rest in columns if np.ptp(value) or rest
     )
-    before = before / DIGITS + 6.0 * np.count_nonzero(~tabled[members])
+    before = before / DIGITS + float(beside[members].sum())
+    formula = rule.formula
     after = RULE + 2.0 * len(rule.holes)
+    after += CHANGE * (bool(formula.growth.any()) + bool(formula.turn.any()))
+    after += CHANGE * (formula.polar is not None)
     inside = {"x": fine, "y": fine, "angle": np.rad2deg(fine / reach), "scale": fine / reach}
     for name in rule.columns:
         after += float(_digits(getattr(rule.residual, name), inside[name]).sum()) / DIGITS
-    after += 10.0 * bool(rule.columns)
+    if rule.columns:
+        # A table of residuals takes as much as the table of places that it stands for.
+        after += RESIDUAL + float(beside[members][beside[members] < AROUND].sum())
     return float(before - after - _layering(members))
 
 

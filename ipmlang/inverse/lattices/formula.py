@@ -42,8 +42,8 @@ class Formula:
     i = k; lead: (1,) frame before all; moves: (2, 3) coefficients of x and y in (i, j, i²), None if
     polar: coefficients of the turn in (i, j), and two of the radius in i, or j if `nested`, see
     `radial`; upright: the turn is taken back; turn, growth: (2,) coefficients of angle and scale in
-    (i, j); inside: (1,) what all members are turned, sized and moved by at the end; stagger: how
-    far every second line is moved along i.
+    (i, j), of the logarithm of the scale if `geometric`; inside: (1,) what all members are turned,
+    sized and moved by at the end; stagger: how far every second line is moved along i.
     """
 
     count: int
@@ -56,6 +56,7 @@ class Formula:
     radial: Radial = "even"
     nested: bool = False
     upright: bool = False
+    geometric: bool = False
     stagger: float = 0.0
     inside: Frames = field(default_factory=lambda: identity(1))
 
@@ -96,7 +97,8 @@ class Formula:
         """(count,) world frames."""
         i, j = self.nodes()
         angle = self.turn[0] * i + self.turn[1] * j
-        scale = 1 + self.growth[0] * i + self.growth[1] * j
+        grown = self.growth[0] * i + self.growth[1] * j
+        scale = np.exp(grown) if self.geometric else 1 + grown
         if self.polar is None:
             assert self.moves is not None
             basis = np.stack([i + self.stagger * (j % 2), j, i * i])
@@ -161,7 +163,7 @@ def lattice_rule(
     order = np.argsort(node)
     node, rows = node[order], lattice.rows[order]
     chosen = lattice.chosen[order]
-    formula = _rounded(formula, node, chosen, tolerance)
+    formula = _rounded(formula, node, chosen, radius, tolerance)
     predicted = formula.frames()
     inside = compose(inverse(predicted[node]), chosen)
     columns = tuple(_needed(inside, chosen.scale, radius, tolerance))
@@ -203,6 +205,7 @@ def _formula(lattice: Lattice) -> tuple[Formula, Integers] | None:
         made, node = _of_spiral(lattice, place)
     if int(node.min()) < 0 or len(np.unique(node)) < len(node):
         return None
+    made = replace(made, geometric=lattice.scale.kind == "regular" and lattice.scale.geometric)
     return replace(made, inside=_common(made, node, lattice)), node
 
 
@@ -224,12 +227,15 @@ def _lead(lattice: Lattice, at: complex, angle: float = 0.0) -> tuple[Frames, in
 
 
 def _changes(lattice: Lattice) -> tuple[Floats, Floats]:
-    """How angle and scale change with (i, j), the latter as a share of the first."""
+    """How angle and scale change with (i, j), the latter as a share of the first, or its logarithm
+    where it is geometric.
+    """
     turn, growth = np.zeros(2), np.zeros(2)
     if lattice.angle.kind == "regular" and not lattice.angle.geometric:
         turn = np.array(lattice.angle.terms[1:3])
-    if lattice.scale.kind == "regular" and not lattice.scale.geometric:
-        growth = np.array(lattice.scale.terms[1:3]) / lattice.scale.terms[0]
+    if lattice.scale.kind == "regular":
+        first = 1.0 if lattice.scale.geometric else lattice.scale.terms[0]
+        growth = np.array(lattice.scale.terms[1:3]) / first
     return turn, growth
 
 
@@ -315,12 +321,18 @@ def _of_rings(lattice: Lattice, rings: Rings) -> tuple[Formula, Integers]:
 # ----------------------------------------------------------------------- rounding
 
 
-def _rounded(formula: Formula, node: Integers, chosen: Frames, tolerance: float) -> Formula:
+def _rounded(
+    formula: Formula, node: Integers, chosen: Frames, radius: float, tolerance: float
+) -> Formula:
     """The same with as few decimals as cost next to nothing in precision: steps before places."""
+
+    def gap(made: Formula) -> Floats:
+        return _gap(made, node, chosen, radius)
+
     for rounding in (_round_moves, _round_polar, _round_changes, _round_inside, _round_lead):
-        room = np.maximum(tolerance / 8, (1 + SHARE) * _gap(formula, node, chosen))
+        room = np.maximum(tolerance / 8, (1 + SHARE) * gap(formula))
         tried = (rounding(formula, digits) for digits in range(9))
-        fits = (made for made in tried if (_gap(made, node, chosen) <= room).all())
+        fits = (made for made in tried if (gap(made) <= room).all())
         formula = next(fits, formula)
     return formula
 
@@ -354,9 +366,19 @@ def _round_lead(formula: Formula, digits: int) -> Formula:
     return replace(formula, lead=frames(at, angle, 1.0, lead.handedness))
 
 
-def _gap(formula: Formula, node: Integers, chosen: Frames) -> Floats:
-    """(2,) usual and largest distance of members from their nodes, units."""
+def _gap(formula: Formula, node: Integers, chosen: Frames, radius: float) -> Floats:
+    """(6,) usual and largest distance of members from their nodes, and of what lies `radius` from
+    their middles by their angle and by their scale, units.
+    """
     if not formula.inside.scale[0] > 0:
-        return np.full(2, np.inf)
-    gap = np.abs(formula.frames()[node].position - chosen.position)
-    return np.array([float(np.sqrt(np.mean(gap**2))), float(gap.max())])
+        return np.full(6, np.inf)
+    off = compose(inverse(formula.frames()[node]), chosen)
+    reach = radius * chosen.scale
+    gaps = np.stack(
+        [
+            np.abs(off.position) * chosen.scale / off.scale,
+            np.deg2rad(np.abs(wrap(off.angle))) * reach,
+            np.abs(off.scale - 1) * reach,
+        ]
+    )
+    return np.concatenate([np.sqrt(np.mean(gaps**2, axis=1)), gaps.max(axis=1)])

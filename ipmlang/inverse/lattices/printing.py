@@ -135,7 +135,7 @@ def _predicted(
 ) -> tuple[ast.Element, ...]:
     """What leads to a node."""
     angle = [(float(formula.turn[0]), i), (float(formula.turn[1]), j)]
-    grown = [(float(formula.growth[0]), i), (float(formula.growth[1]), j)]
+    grown = _grown(formula, i, j)
     turned, scaled = bool(formula.turn.any()), bool(formula.growth.any())
     if formula.polar is None:
         assert formula.moves is not None
@@ -148,7 +148,7 @@ def _predicted(
             terms = [(step, i), (first * formula.stagger, odd), (line_step, j), (bend, square)]
             at.append(_sum([(value, each) for value, each in terms]))
         more = [_sum([(v, e) for v, e in angle])] if turned or scaled else []
-        more += [_sum([(1.0, None), *grown])] if scaled else []
+        more += [grown] if scaled else []
         return (call("at", *at, *more),)
     turn, twist, first, second = formula.polar.tolist()
     each: float | ast.Expr = turn
@@ -161,8 +161,19 @@ def _predicted(
     if turned:
         made.append(call("+", _sum([(v, e) for v, e in angle])))
     if scaled:
-        made.append(call("*", _sum([(1.0, None), *grown])))
+        made.append(call("*", grown))
     return tuple(made)
+
+
+def _grown(formula: Formula, i: ast.Expr, j: ast.Expr) -> ast.Expr:
+    """How large a member is beside the first."""
+    grown: list[tuple[float | ast.Expr, ast.Expr | None]] = [
+        (float(formula.growth[0]), i),
+        (float(formula.growth[1]), j),
+    ]
+    if formula.geometric:
+        return _function("exp", _sum(grown))
+    return _sum([(1.0, None), *grown])
 
 
 def _radius(formula: Formula, first: float, second: float, i: ast.Expr, j: ast.Expr) -> ast.Expr:
