@@ -73,7 +73,7 @@ class Writer:
         self._setting = setting
         self._single = single
         self._tail = tail
-        self._quiet = False
+        self.quiet = False
         self.source = Source()
         self.slots: list[str] = []
         self.ended: State | None = None
@@ -85,7 +85,7 @@ class Writer:
         """Write the elements of a body; the state after them."""
         saved: list[State] = []
         passed = -1
-        needed = self._needed(elements) if self._quiet else None
+        needed = self._needed(elements) if self.quiet else None
         self._base = self._base or state
         for number, each in enumerate(elements):
             if number <= passed and each.op not in ir.VALUE_OPS:
@@ -93,7 +93,7 @@ class Writer:
             if each.op == "open":
                 saved.append(dict(state))
                 state = questions.began(self, questions.inside(elements, number), scope, state)
-                if self._quiet:  # what a bracket restores need not be walked
+                if self.quiet:  # what a bracket restores need not be walked
                     passed = self._bracket_end(elements, number)
             elif each.op == "close":
                 state = saved.pop()
@@ -176,13 +176,13 @@ class Writer:
 
     def _module(self, each: ir.Instruction, scope: Scope, state: State) -> State:
         assert isinstance(each.const, int)
-        if self._quiet and self._expands(each):
+        if self.quiet and self._expands(each):
             return state
         symbol = self._setting.program.symbols[each.const]
         args = tuple(scope.registers[register] for register in each.args)
         if not self._expands(each):
             return self.act(symbol.meaning or (), scope, args, each.const, each.site, state)
-        if not self._quiet:
+        if not self.quiet:
             self._make(each.const, scope, args, each.site, state)
         return state
 
@@ -300,7 +300,7 @@ class Writer:
     def _levelled(self, state: State) -> State:
         if "angle" in state:
             return state
-        if self._quiet:
+        if self.quiet:
             raise UnscannableError
         names = ", ".join(source(state[axis]) for axis in "wijk")
         found = self.source.let(f"level({names}, {source(self._hand(state))})")
@@ -324,17 +324,18 @@ class Writer:
         self, each: ir.Instruction, args: list[Operand], scope: Scope, state: State
     ) -> State:
         """A group begins in the frame that the state has."""
-        if self._quiet:  # a scan cannot make groups in groups
+        if self.quiet:  # a scan cannot make groups in groups
             raise UnscannableError
         names = [name for name in state if name in FRAME or name == "layer"]
         parts = [source(self._pen_value(each, args)), source(state[FIELD])]
-        parts.append(self._mapping(state, names))
+        parts.append(self.mapping(state, names))
         count = [] if self._single else [scope.count]
         return {**state, FIELD: self._held(f"run.group({', '.join([*count, *parts])})")}
 
     # ---------------------------------------------------------------- what is handed over
 
-    def _values(self, operands: Iterable[Operand]) -> str:
+    def values(self, operands: Iterable[Operand]) -> str:
+        """The source of a tuple of operands."""
         return "(" + "".join(f"{source(each)}, " for each in operands) + ")"
 
     def _draw(
@@ -346,7 +347,7 @@ class Writer:
         site: int,
         state: State,
     ) -> None:
-        if self._quiet:
+        if self.quiet:
             return
         asset, size = SEGMENT, [args[0], 0.0, 0.0] if each.op == "segment" else [0.0, 0.0, 0.0]
         shown = scope.shown
@@ -357,7 +358,7 @@ class Writer:
         if asset == SCOPE and "geo" in state:
             size = [state[name] for name in ("sx", "sy", "sz")]
             shown = self._held(f"run.some({source(state['geo'])}, {scope.count}, {shown})")
-        parts = (self._values(size), self._values(state.values()))
+        parts = (self.values(size), self.values(state.values()))
         if self._single:
             key = "k0, k1" if site == OWN else f"*child(k0, k1, {site})"
             what = f"(rule, {symbol}, {asset}, *{parts[0]}, *{parts[1]}, {key})"
@@ -370,7 +371,7 @@ class Writer:
     def _make(
         self, symbol: int, scope: Scope, args: tuple[Operand, ...], site: int, state: State
     ) -> None:
-        columns = f"{self._values(args)}, {self._values(state.values())}"
+        columns = f"{self.values(args)}, {self.values(state.values())}"
         if self._single:
             made = f"run.make({symbol}, child(k0, k1, {site}), rule, {columns})"
         else:
@@ -392,9 +393,9 @@ class Writer:
             {name: UNSET for name in state if name not in (*FRAME, *SCOPE_FIELDS, "layer")}
         )
         start.update({name: state[name] for name in SCOPE_FIELDS if name in state})
-        self._quiet = True
+        self.quiet = True
         self.body(elements, scope, dict(start))
-        self._quiet = False
+        self.quiet = False
         assert self.ended is not None
         own, after = state, state
         if self.ended != start:
@@ -416,16 +417,16 @@ class Writer:
         start.update({name: own[name] for name in (*SCOPE_FIELDS, MARK) if name in own})
         pens = [name for name in state if name not in (*FRAME, *SCOPE_FIELDS, MARK)]
         start.update({name: UNSET for name in pens if name != "layer"})
-        quiet, self._quiet = self._quiet, True
+        quiet, self.quiet = self.quiet, True
         step = self.body(each.body, inner, dict(start))
-        self._quiet = quiet
+        self.quiet = quiet
         after = state
         if step != start:
             own, after = self._walked(state, step, start, own, counts, owner)
         if not quiet:
             outer, self.slots = self.slots, []
             self.body(each.body, inner, questions.began(self, each.body, inner, own))
-            slots, self.slots = self._values(self.slots), outer
+            slots, self.slots = self.values(self.slots), outer
             self.slots.append(f"Copies({counts}, {owner}, {slots})")
         return after
 
@@ -439,7 +440,7 @@ class Writer:
         own = dict(own)
         frame = [name for name in state if name in FRAME]
         if any(step[name] != start[name] for name in frame):
-            parts = f"{self._mapping(state, frame)}, {self._mapping(step, frame)}"
+            parts = f"{self.mapping(state, frame)}, {self.mapping(step, frame)}"
             found = self._held(f"run.walk({counts}, {count}, {parts})")
             for name in frame:
                 own[name] = write.let(f"{found}[0]['{name}']")
@@ -452,7 +453,8 @@ class Writer:
                 own[name], after[name] = write.let(f"{found}[0]"), write.let(f"{found}[1]")
         return own, after
 
-    def _mapping(self, state: State, names: Sequence[str]) -> str:
+    def mapping(self, state: State, names: Sequence[str]) -> str:
+        """The source of some fields of a state."""
         return "{" + ", ".join(f"'{name}': {source(state[name])}" for name in names) + "}"
 
     def _gathered(
@@ -494,7 +496,7 @@ class Writer:
 
     def _asked(self, name: str, state: State) -> Operand:
         """A field of the state that a body reads as a number."""
-        if self._quiet and name in FRAME:  # what copies before this one did is not known yet
+        if self.quiet and name in FRAME:  # what copies before this one did is not known yet
             raise UnscannableError
         return state.get(name, -1.0)
 
@@ -504,10 +506,10 @@ class Writer:
         """What an operation makes of the scope and its geometry. In a repeat every copy has its
         own: nothing of it reaches the next.
         """
-        if self._quiet:
+        if self.quiet:
             return state
         if each.op == "report":
-            what = f"{scope.count}, {self._values(args)}, {scope.shown}"
+            what = f"{scope.count}, {self.values(args)}, {scope.shown}"
             self.source.lines.append(f"run.report({what})")
             return state
         if each.op == "lay":
@@ -518,8 +520,8 @@ class Writer:
         names = [name for name in state if name in FRAME or name in (*SCOPE_FIELDS, TRIM)]
         base = {name: self._base.get(name, state[name]) for name in names}
         what = "center" if each.op == "center" else str(each.const)
-        parts = f"'{what}', {scope.count}, {self._values(args)}, {self._mapping(state, names)}"
-        more = f"{self._mapping(base, names)}" if each.op == "center" else scope.shown
+        parts = f"'{what}', {scope.count}, {self.values(args)}, {self.mapping(state, names)}"
+        more = f"{self.mapping(base, names)}" if each.op == "center" else scope.shown
         call = "center" if each.op == "center" else "solid"
         found = self._held(f"run.{call}({parts}, {more})")
         changed = MOVED if each.op == "center" else changed_by(what)
@@ -529,15 +531,15 @@ class Writer:
     def _laid(self, each: ir.Instruction, args: list[Operand], scope: Scope, state: State) -> State:
         """From here on textures lie as the operation says."""
         names = [name for name in state if name in FRAME]
-        what = f"{each.const!r}, {scope.count}, {self._values(args)}, {source(state[UV])}"
+        what = f"{each.const!r}, {scope.count}, {self.values(args)}, {source(state[UV])}"
         return {
             **state,
-            UV: self._held(f"run.lay({what}, {self._mapping(state, names)}, {scope.shown})"),
+            UV: self._held(f"run.lay({what}, {self.mapping(state, names)}, {scope.shown})"),
         }
 
     def _slab(self, each: ir.Instruction, scope: Scope, state: State) -> None:
         """The part of the scope between two planes."""
-        if self._quiet:
+        if self.quiet:
             return
         assert isinstance(each.const, int)
         low, size = (source(scope.registers[arg]) for arg in each.args)
@@ -554,7 +556,7 @@ class Writer:
 
     def _pieces(self, each: ir.Instruction, scope: Scope, state: State) -> None:
         """The parts that an operation makes, a batch of copies for each selector."""
-        if self._quiet:
+        if self.quiet:
             return
         assert isinstance(each.const, tuple)
         name, number, site = each.const
@@ -563,8 +565,8 @@ class Writer:
         names = [name for name in state if name in FRAME or name in (*SCOPE_FIELDS, TRIM)]
         selectors = tuple(part.const for part in each.body if part.op == "part")
         keys = f"({scope.k0}, {scope.k1}, {site}, {scope.tuple})"
-        what = f"{name!r}, {selectors!r}, {scope.count}, {self._values(args)}"
-        call = f"run.pieces({what}, {self._mapping(state, names)}, {keys}, {scope.shown})"
+        what = f"{name!r}, {selectors!r}, {scope.count}, {self.values(args)}"
+        call = f"run.pieces({what}, {self.mapping(state, names)}, {keys}, {scope.shown})"
         found = self._held(call)
         parts = [part for part in each.body if part.op == "part"]
         for place, part in enumerate(parts):
@@ -580,17 +582,17 @@ class Writer:
             }
             outer, self.slots = self.slots, []
             self._within(part.body, inner, own)
-            slots, self.slots = self._values(self.slots), outer
+            slots, self.slots = self.values(self.slots), outer
             self.slots.append(f"Copies({mine}.counts, {owner}, {slots})")
 
     def _join(self, each: ir.Instruction, scope: Scope, state: State) -> None:
         """Parts whose solids become one: each has a number, and draws under it."""
-        if self._quiet:
+        if self.quiet:
             return
         parts = [part for part in each.body if part.op == "part"]
         names = [name for name in state if name in FRAME]
         what = f"{each.const!r}, {len(parts)}, {scope.count}, {source(state[JOIN])}"
-        found = self._held(f"run.join({what}, {self._mapping(state, names)})")
+        found = self._held(f"run.join({what}, {self.mapping(state, names)})")
         for place, part in enumerate(parts):
             number = self.source.let(f"{found} + {place}.0")
             inner = replace(scope, registers=dict(scope.registers))

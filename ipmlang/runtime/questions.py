@@ -23,15 +23,15 @@ def answered(
     writer: Writer, each: ir.Instruction, args: Sequence[Operand], scope: Scope, state: State
 ) -> Operand:
     """The answers to a query, where it is asked."""
-    if writer._quiet:  # what copies before this one did is not known yet
+    if writer.quiet:  # what copies before this one did is not known yet
         raise UnscannableError
-    what = f"{each.const!r}, {scope.count}, {writer._values(args)}, {_seen(writer, state)}"
+    what = f"{each.const!r}, {scope.count}, {writer.values(args)}, {_seen(writer, state)}"
     return writer.source.let(f"run.ask({what}, {scope.shown})")
 
 
 def began(writer: Writer, body: Sequence[ir.Instruction], scope: Scope, state: State) -> State:
     """A part of a shape begins, a copy or a bracket; one that asks is a shape of its own."""
-    if FIELD not in state or writer._quiet:
+    if FIELD not in state or writer.quiet:
         return state
     query = first_query(body)
     if query is None:
@@ -60,7 +60,7 @@ def known(
     """A label or a report makes a shape known to queries. In a repeat every copy has its own:
     nothing of it reaches the next.
     """
-    if FIELD not in state or writer._quiet:
+    if FIELD not in state or writer.quiet:
         return state
     if each.op == "report":
         return _noted(writer, REPORTING, args[0], args[1], scope, site, state)
@@ -84,7 +84,7 @@ def _noted(
 
 
 def _seen(writer: Writer, state: State) -> str:
-    return writer._mapping(state, [name for name in SEEN if name in state])
+    return writer.mapping(state, [name for name in SEEN if name in state])
 
 
 def needed(elements: Sequence[ir.Instruction], moving: Sequence[ir.Instruction]) -> set[int]:
