@@ -348,7 +348,7 @@ class Frontier(Trimming):
 
     def _wait(self, symbol: int, shapes: Shapes) -> None:
         """Put shapes where their phase is waited for."""
-        if PHASE not in self.fields:
+        if PHASE not in self.fields or not shapes.count:
             self.pending.put(symbol, self.following, shapes)
             return
         phase = shapes.state[self.fields.index(PHASE)]

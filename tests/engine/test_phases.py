@@ -209,3 +209,19 @@ def test_run_shows_reports(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     assert run_command_line([*command, "--json"]) == 0
     record = json.loads(capsys.readouterr().out)
     assert record["reports"]["storeys"] == {"sum": 30.0, "count": 7}
+
+
+def test_each_of_many_first_shapes_has_its_own_competitors(tmp_path: Path) -> None:
+    """Lots of a file that lie on each other; the one that stands alone has no bays."""
+    rects = "".join(f'<rect x="{x}" y="0" width="10" height="8"/>' for x in (0, 20, 5))
+    svg = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 40 20">{rects}</svg>'
+    (tmp_path / "lots.svg").write_text(svg)
+    text = """ipm 1
+start Lot on "lots.svg"
+Lot : overlaps("Lot") --> split x { { ~2: label("bay") phase(2) Bay }* }
+Lot : else --> Free
+Bay : rank("bay", "Lot") == 0 --> Door
+Bay : else --> Window
+"""
+    scene = ipmlang.parse(text, folder=tmp_path).run()
+    assert drawn(scene) == {"Door": 2, "Window": 8, "Free": 1}
