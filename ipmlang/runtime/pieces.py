@@ -216,6 +216,8 @@ def _of(column: Column, rows: Numbers) -> Column:
 
 
 def _taken_apart(use: Apart, number: int, size: Floats, args: list[Value]) -> Found:
+    if use.given.name == "subdivide" and number == BOX:
+        return _grid(size, _cell_counts(size, args))
     solid = use.given.pool.local(number, size)
     pieces = APART[use.given.name](solid, size, *args)
     return _framed(use, pieces)
@@ -393,8 +395,7 @@ def _octant(solid: Solid, size: Floats, x: Value, y: Value, z: Value, octant: Va
 
 
 def _subdivide(solid: Solid, size: Floats, nx: Value, ny: Value, nz: Value) -> list[Piece]:
-    counts = [max(int(_given(each)), 1) for each in (nx, ny, nz)]
-    counts = [count if size[axis] > 0 else 1 for axis, count in enumerate(counts)]
+    counts = _cell_counts(size, (nx, ny, nz))
     edges = [np.linspace(0.0, size[axis], count + 1) for axis, count in enumerate(counts)]
     spans = [
         [tuple(edges[axis][place : place + 2]) for axis, place in enumerate((i, j, k))]
@@ -403,6 +404,22 @@ def _subdivide(solid: Solid, size: Floats, nx: Value, ny: Value, nz: Value) -> l
         for i in range(counts[0])
     ]
     return list(_cells(solid, size, spans))
+
+
+def _cell_counts(size: Floats, args: Sequence[Value]) -> list[int]:
+    """How many cells there are along each axis: one where there is no extent."""
+    counts = [max(int(_given(each)), 1) for each in args]
+    return [count if size[axis] > 0 else 1 for axis, count in enumerate(counts)]
+
+
+def _grid(size: Floats, counts: Sequence[int]) -> Found:
+    """The cells of a box, which are boxes, x first."""
+    places = np.indices(counts[::-1]).reshape(3, -1)[::-1].T
+    cell = size / counts
+    many = len(places)
+    turn = np.tile((1.0, 0.0, 0.0, 0.0), (many, 1))
+    words = [frozenset({"all"})] * many
+    return Found(places * cell, turn, np.tile(cell, (many, 1)), np.full(many, float(BOX)), words)
 
 
 def _cells(

@@ -276,6 +276,9 @@ class Scoping(Copying):
     ) -> list[Batched]:
         """The parts that an operation makes, in a batch for each selector."""
         given = Given(self.program, self.pool, name, args, count)
+        if name == "subdivide":  # so many that they must be counted before they are made
+            cells = np.prod([np.maximum(full(each, count), 1.0) for each in args], axis=0)
+            self.counted.copy(float((cells if shown is None else cells[shown]).sum()))
         try:
             made = apart(Apart(given, selectors, state, keys, shown))
         except GeometryError as error:

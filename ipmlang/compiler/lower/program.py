@@ -60,10 +60,10 @@ class Lowering:
         ignored = self._ignored()
         self._refuse_options(number, start)
         self._raise_refused()
-        fixed = settings.fixed(self._pool, self._main)
-        tropism = fixed.tropism
         ground = settings.ground(self._pool, self._main, number, start.place)
         scoped = ground is not None or analysis.scoped(self._symbols, (*self._productions, first))
+        fixed = settings.fixed(self._pool, self._main, scoped=scoped)
+        tropism = fixed.tropism
         if scoped:
             self._symbols = [_terminal(each) for each in self._symbols]
         drawn = settings.varied(self._attrs) if scoped else ()

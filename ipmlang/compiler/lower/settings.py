@@ -19,6 +19,7 @@ from ipmlang.compiler.lower.names import Unit
 
 ATTR_SITE = 0x30000000
 LATE_SITE = 0x28000000
+DEEPEST = 5_000  # generations of a program with scopes, if nothing else is said
 
 
 def attributes(pool: Pool, units: Sequence[Unit]) -> tuple[ir.Attribute, ...]:
@@ -222,8 +223,10 @@ class Fixed:
     late: ir.Late | None
 
 
-def fixed(pool: Pool, unit: Unit) -> Fixed:
-    """Where a derivation stops, and what bends its segments."""
+def fixed(pool: Pool, unit: Unit, *, scoped: bool) -> Fixed:
+    """Where a derivation stops, and what bends its segments. A generation of shapes with scopes
+    takes much longer than one of modules alone, and no building is so deep.
+    """
     code = Code(pool, unit, -1)
     code.counter.site = LATE_SITE
     known, registers = _limits(code, unit)
@@ -234,7 +237,7 @@ def fixed(pool: Pool, unit: Unit) -> Fixed:
         bent = (x, y, z, elasticity)
     late = ir.Late(tuple(code.instructions), code.counter.register, bent, tuple(registers.items()))
     return Fixed(
-        replace(ir.Limits(), **known),
+        replace(ir.Limits(steps=DEEPEST) if scoped else ir.Limits(), **known),
         None if tropism is None else _values(tropism),
         late if bent or registers else None,
     )
