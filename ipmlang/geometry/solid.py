@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,7 +87,7 @@ def polygon(
     """A polygon of points (n, 2) or (n, 3), in the plane z = 0 where they have no z."""
     rings = [_in_space(ring) for ring in (outline, *holes)]
     counts = np.cumsum([0, *(len(ring) for ring in rings)])
-    numbers = [list(range(a, b)) for a, b in zip(counts, counts[1:], strict=False)]
+    numbers = [list(range(a, b)) for a, b in pairwise(counts)]
     return solid_of(np.concatenate(rings), [numbers], [tags])
 
 
@@ -131,13 +132,15 @@ def face_of_corners(solid: Solid) -> Indices:
 
 def area_vectors(solid: Solid) -> Floats:
     """Of each face, its normal times its area (f, 3), holes taken off (Newell's sum)."""
+    if not len(solid):
+        return np.zeros((0, 3))
     after = np.arange(1, len(solid.corners) + 1)
     after[solid.rings[1:] - 1] = solid.rings[:-1]
-    a = solid.vertices[solid.corners]
-    b = solid.vertices[solid.corners[after]]
-    found = np.zeros((len(solid), 3))
-    origin = a[0] if len(a) else np.zeros(3)  # near the points: less is lost far from 0
-    np.add.at(found, face_of_corners(solid), np.cross(a - origin, b - origin) / 2)
+    points = solid.vertices - solid.vertices[solid.corners[0]]  # less is lost far from 0
+    x, y, z = points[solid.corners].T
+    u, v, w = x[after], y[after], z[after]
+    cross = np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1)
+    found: Floats = np.add.reduceat(cross, solid.rings[solid.faces[:-1]], axis=0) / 2
     return found
 
 

@@ -19,10 +19,11 @@ from ipmlang.compiler import ir
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail, nearest
 from ipmlang.formats import FormatError
 from ipmlang.geometry.footprints import footprint
+from ipmlang.geometry.pieces import Piece
 from ipmlang.geometry.solid import Floats, GeometryError, Solid, normals, ring_points
 from ipmlang.runtime import keys
 from ipmlang.runtime.bind import evaluated
-from ipmlang.runtime.boxes import quaternion
+from ipmlang.runtime.framing import framed
 from ipmlang.runtime.lots import Lot, closed_paths
 from ipmlang.runtime.pool import BOX, NOTHING, Pool
 
@@ -179,7 +180,7 @@ def _faces(path: Path, node: str | None) -> list[Lot]:
 
 def _outlines(lots: Sequence[Lot], pool: Pool, name: str, *, many: bool) -> Standing:
     """Scopes on outlines with holes: x along the first edge, z out of the face."""
-    rows: list[tuple[float, ...]] = []
+    pieces: list[Piece] = []
     owners: list[tuple[int, int]] = []
     mends: dict[str, list[int]] = {}
     errors: list[IpmError] = []
@@ -199,15 +200,20 @@ def _outlines(lots: Sequence[Lot], pool: Pool, name: str, *, many: bool) -> Stan
         for each in mended:
             mends.setdefault(each, []).append(number)
         owners += [(number, piece) for piece in range(len(solids))]
-        rows += [_scope(solid, pool) for solid in solids]
+        pieces += [_piece(solid) for solid in solids]
     if errors:
         raise IpmError([each.diagnostics[0] for each in _fewer(errors, name)])
-    if not rows:
+    if not pieces:
         raise fail("bad-ground", f"no shape in {name} has any area")
-    position, rotation, size, geometry = np.split(np.array(rows), (3, 7, 10), axis=1)
+    found = framed(pool, pieces)
     notes = tuple(_told(name, note, numbers, many) for note, numbers in mends.items())
     return Standing(
-        position, rotation, size, geometry[:, 0], np.array(owners) if many else None, notes
+        found.corner,
+        found.turn,
+        found.size,
+        found.geometry,
+        np.array(owners) if many else None,
+        notes,
     )
 
 
@@ -236,15 +242,13 @@ def _fewer(errors: list[IpmError], name: str) -> list[IpmError]:
     return [*errors[:MANY], fail("bad-ground", f"{name}: and {more:,} more shapes like these")]
 
 
-def _scope(solid: Solid, pool: Pool) -> tuple[float, ...]:
+def _piece(solid: Solid) -> Piece:
+    """A polygon with axes of its own: x along its first edge, z out of it."""
     z = normals(solid)[0]
     first, second = ring_points(solid, 0)[0][:2]
     x = (second - first) - z * ((second - first) @ z)
     x /= np.linalg.norm(x)
-    axes = np.stack([x, np.cross(z, x), z])
-    turned = replace(solid, vertices=solid.vertices @ axes.T)
-    number, low, size = pool.add(turned)
-    return (*(low @ axes), *quaternion(axes), *size, float(number))
+    return Piece(frozenset(), solid, np.stack([x, np.cross(z, x), z]))
 
 
 def first_keys(seed: int, standing: Standing) -> tuple[keys.Words, keys.Words]:

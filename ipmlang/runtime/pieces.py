@@ -8,17 +8,18 @@ that none takes vanish. Nothing here makes children.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.compiler import ir
 from ipmlang.geometry.pieces import Piece
-from ipmlang.geometry.solid import Floats, GeometryError, Solid, unit_square
+from ipmlang.geometry.solid import Floats, GeometryError, Solid
 from ipmlang.runtime import boxes, keys
 from ipmlang.runtime.boxes import FACE_QUATERNIONS, FACES, FLAT_FACE, SIZES, State
 from ipmlang.runtime.code import Column
+from ipmlang.runtime.framing import Framed, framed, joined
 from ipmlang.runtime.keys import Words
 from ipmlang.runtime.pool import BOX, NOTHING
 from ipmlang.runtime.shaping import Given, Value
@@ -53,35 +54,32 @@ class Batched:
     state: State
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Found:
-    """The pieces of one kind of shape: corner (p, 3) and turn (p, 4) in its scope, sizes (p, 3),
-    numbers of geometries (p,), and the words of each.
-    """
-
-    corner: Floats
-    turn: Floats
-    size: Floats
-    geometry: Floats
-    words: Sequence[frozenset[str]]
-
-
 def apart(use: Apart) -> list[Batched]:
     """The pieces that each selector takes."""
     given = use.given
     if given.name == "scatter":
-        return _by_row(use, lambda row: _scattered(use, row))
+        return _scattered(use)
     sizes = [use.state[name] for name in SIZES]
     kinds = table(use.shown, given.count, use.state["geo"], *sizes, *given.args)
     if given.name == "comp" and _all_boxes(use) and _of_faces(given):
         return _boxes_apart(use)
-    found = []
-    for number, sx, sy, sz, *args in kinds.rows():
-        made: Found | None = None
+    if given.name == "subdivide" and np.all(np.asarray(use.state["geo"]) == BOX):
+        grids = [
+            _grid(np.array(size[:3]), _cell_counts(np.array(size[:3]), given.resolved(size[3:])))
+            for _, *size in kinds.rows()
+        ]
+        whole = frozenset({"all"})
+        return _spread(use, kinds, joined(grids), [[whole] * len(own.size) for own in grids])
+    pieces: list[list[Piece]] = []
+    for number, *size in kinds.rows():
+        own: list[Piece] = []
         if number != NOTHING:
-            made = _taken_apart(use, int(number), np.array((sx, sy, sz)), given.resolved(args))
-        found.append(made)
-    return _spread(use, kinds, found)
+            extents = np.array(size[:3])
+            solid = given.pool.local(int(number), extents)
+            own = APART[given.name](solid, extents, *given.resolved(size[3:]))
+        pieces.append(own)
+    found = framed(given.pool, [piece for own in pieces for piece in own])
+    return _spread(use, kinds, found, [[piece.words for piece in own] for own in pieces])
 
 
 def _of_faces(given: Given) -> bool:
@@ -215,47 +213,16 @@ def _of(column: Column, rows: Numbers) -> Column:
 # ------------------------------------------------------------------------- any geometry
 
 
-def _taken_apart(use: Apart, number: int, size: Floats, args: list[Value]) -> Found:
-    if use.given.name == "subdivide" and number == BOX:
-        return _grid(size, _cell_counts(size, args))
-    solid = use.given.pool.local(number, size)
-    pieces = APART[use.given.name](solid, size, *args)
-    return _framed(use, pieces)
-
-
-def _framed(use: Apart, pieces: Sequence[Piece]) -> Found:
-    """The scopes of pieces in that of the shape."""
-    count = len(pieces)
-    corner, turn = np.zeros((count, 3)), np.tile((1.0, 0.0, 0.0, 0.0), (count, 1))
-    size, geometry = np.zeros((count, 3)), np.zeros(count)
-    turned = [place for place, piece in enumerate(pieces) if piece.axes is not None]
-    if turned:
-        turn[turned] = boxes.quaternion(np.array([pieces[place].axes for place in turned]))
-    for place, piece in enumerate(pieces):
-        solid = piece.solid
-        if piece.axes is not None:
-            solid = replace(solid, vertices=solid.vertices @ piece.axes.T)
-        number, low, size[place] = use.given.pool.add(solid)
-        corner[place] = low if piece.axes is None else low @ piece.axes
-        geometry[place] = number
-    return Found(corner, turn, size, geometry, [piece.words for piece in pieces])
-
-
-def _spread(use: Apart, kinds: Table, found: Sequence[Found | None]) -> list[Batched]:
-    """The pieces of every kind of shape, for all shapes."""
+def _spread(
+    use: Apart, kinds: Table, found: Framed, words: Sequence[Sequence[frozenset[str]]]
+) -> list[Batched]:
+    """The pieces of every kind of shape, one kind after the other, for all shapes; `words`: those
+    of each piece of each kind.
+    """
     count = use.given.count
     rows = np.arange(count) if use.shown is None else use.shown
-    taken: list[list[list[int]]] = [
-        [[] for _ in use.selectors] if each is None else _taken(use.selectors, each.words)
-        for each in found
-    ]
-    known = [each for each in found if each is not None]
-    starts = np.cumsum([0, *(0 if each is None else len(each.words) for each in found)])
-    empty = Found(np.zeros((0, 3)), np.zeros((0, 4)), np.zeros((0, 3)), np.zeros(0), ())
-    columns = {
-        name: np.concatenate([getattr(empty, name), *(getattr(each, name) for each in known)])
-        for name in ("corner", "turn", "size", "geometry")
-    }
+    taken = [_taken(use.selectors, own) for own in words]
+    starts = np.cumsum([0, *(len(own) for own in words)])
     made = []
     for place in range(len(use.selectors)):
         own = [np.array(each[place], np.int64) + starts[k] for k, each in enumerate(taken)]
@@ -267,8 +234,9 @@ def _spread(use: Apart, kinds: Table, found: Sequence[Found | None]) -> list[Bat
         owner = np.repeat(np.arange(len(rows)), per_row)
         index = np.arange(len(owner)) - (np.cumsum(per_row) - per_row)[owner]
         at = flat[(np.cumsum(many) - many)[kinds.kind[owner]] + index]
-        chosen = {name: column[at] for name, column in columns.items()}
-        state = _piece_state(use, rows[owner], **chosen)
+        state = _piece_state(
+            use, rows[owner], found.corner[at], found.turn[at], found.size[at], found.geometry[at]
+        )
         made.append(
             Batched(
                 counts, rows[owner], index.astype(np.uint32), per_row[owner].astype(float), state
@@ -283,48 +251,58 @@ def _piece_state(
     frame = {name: _of(use.state[name], rows) for name in use.state if name not in (*SIZES, "geo")}
     place = boxes.moved(frame, (corner[:, 0], corner[:, 1], corner[:, 2]))
     own: State = {**frame, **place}
-    if (turn[:, 0] < 1.0).any():
+    if (turn[:, 0] < 1.0 - 1e-15).any():
         own.update(boxes.turned(frame, tuple(turn.T)))
     own.update(zip(SIZES, size.T, strict=True))
     own["geo"] = geometry
     return own
 
 
-def _by_row(use: Apart, made: Callable[[int], Found]) -> list[Batched]:
-    """Pieces that differ from row to row."""
-    rows = np.arange(use.given.count) if use.shown is None else use.shown
-    found = [made(int(row)) for row in rows]
-    kinds = Table((), use.shown, np.arange(len(rows)), np.arange(len(rows)))
-    return _spread(use, kinds, found)
-
-
-def _scattered(use: Apart, row: int) -> Found:
-    """Points at random on the surface, in the volume or in the scope of one shape."""
+def _scattered(use: Apart) -> list[Batched]:
+    """Points at random on the surfaces, in the volumes or in the scopes of shapes."""
     from ipmlang.geometry.scattering import scatter
 
     given, state = use.given, use.state
-    values = [float(boxes.full(arg, given.count)[row]) for arg in given.args]
-    amount, over = given.resolved(values)
-    assert isinstance(amount, float)
-    if not 0 <= amount <= 1e7:
-        raise GeometryError(f"`scatter` cannot place {amount:g} points")
-    count = int(amount)
-    size = np.array([float(boxes.full(state[name], given.count)[row]) for name in SIZES])
+    rows = np.arange(given.count) if use.shown is None else use.shown
+    over = given.word(1) or "surface"
+    amounts = boxes.full(given.args[0], given.count)[rows]
+    wrong = np.flatnonzero(~((amounts >= 0) & (amounts <= MOST)))
+    if len(wrong):
+        raise GeometryError(f"`scatter` cannot place {amounts[wrong[0]]:g} points")
+    numbers = boxes.full(state["geo"], given.count)[rows].astype(np.int64)
+    counts = np.where(numbers == NOTHING, 0, amounts.astype(np.int64))
+    if counts.sum() > MOST:
+        raise GeometryError(f"`scatter` cannot place {counts.sum():,} points")
+    sizes = np.stack([boxes.full(state[name], given.count)[rows] for name in SIZES], axis=1)
+    draws = _draws(use, rows, counts)
+    ends = np.cumsum(counts)
+    points = [
+        scatter(given.pool.local(number, size), count, over, draws[end - count : end])
+        for number, size, count, end in zip(
+            numbers.tolist(), sizes, counts.tolist(), ends.tolist(), strict=True
+        )
+        if count
+    ]
+    corner = np.concatenate([np.zeros((0, 3)), *points])
+    blank = np.zeros(corner.shape)
+    turn = np.tile((1.0, 0.0, 0.0, 0.0), (len(corner), 1))
+    each = np.arange(len(rows))
+    words = [[frozenset({"all"})] * count for count in counts.tolist()]
+    found = Framed(corner, turn, blank, np.zeros(len(corner)))
+    return _spread(use, Table((), use.shown, each, each), found, words)
+
+
+MOST = 10_000_000  # points that one `scatter` may place
+
+
+def _draws(use: Apart, rows: Numbers, counts: Numbers) -> Floats:
+    """Three draws for each point (p, 3), under the keys of the shapes."""
     k0, k1, site, copies = use.keys
-    one = slice(row, row + 1)
-    base = keys.child(k0[one], k1[one], site, *(each[one] for each in copies))
-    steps = np.arange(count, dtype=np.uint32)
-    first, second = (np.repeat(word, count) for word in base)
-    uniforms = np.stack([keys.uniform(first, second, axis, steps) for axis in range(3)], axis=1)
-    number = int(boxes.full(state["geo"], given.count)[row])
-    if number == NOTHING:
-        count, uniforms = 0, uniforms[:0]
-    solid = given.pool.local(number, size) if number else unit_square()
-    points = scatter(solid, count, str(over or "surface"), uniforms)
-    blank = np.zeros((len(points), 3))
-    turn = np.tile((1.0, 0.0, 0.0, 0.0), (len(points), 1))
-    words = [frozenset({"all"})] * len(points)
-    return Found(np.asarray(points), turn, blank, np.zeros(len(points)), words)
+    base = keys.child(k0[rows], k1[rows], site, *(each[rows] for each in copies))
+    first, second = (np.repeat(word, counts) for word in base)
+    before = np.repeat(np.cumsum(counts) - counts, counts)
+    steps = (np.arange(len(first)) - before).astype(np.uint32)
+    return np.stack([keys.uniform(first, second, axis, steps) for axis in range(3)], axis=1)
 
 
 # --------------------------------------------------------------------- bodies, by operation
@@ -412,14 +390,13 @@ def _cell_counts(size: Floats, args: Sequence[Value]) -> list[int]:
     return [count if size[axis] > 0 else 1 for axis, count in enumerate(counts)]
 
 
-def _grid(size: Floats, counts: Sequence[int]) -> Found:
+def _grid(size: Floats, counts: Sequence[int]) -> Framed:
     """The cells of a box, which are boxes, x first."""
     places = np.indices(counts[::-1]).reshape(3, -1)[::-1].T
     cell = size / counts
     many = len(places)
     turn = np.tile((1.0, 0.0, 0.0, 0.0), (many, 1))
-    words = [frozenset({"all"})] * many
-    return Found(places * cell, turn, np.tile(cell, (many, 1)), np.full(many, float(BOX)), words)
+    return Framed(places * cell, turn, np.tile(cell, (many, 1)), np.full(many, float(BOX)))
 
 
 def _cells(

@@ -165,26 +165,25 @@ class Pool:
     def _as_box(self, unit: Solid, size: Floats) -> int | None:
         """The number of a solid that is a whole box or rectangle, without texture coordinates."""
         flat = np.flatnonzero(size <= 0)
-        if unit.uv is not None or not np.isin(unit.vertices, (0.0, 1.0)).all():
+        shape = (len(flat), len(unit), len(unit.corners))
+        if unit.uv is not None or shape not in ((1, 1, 4), (0, 6, 24)):
             return None
-        if len(flat) == 1 and len(unit) == 1 and len(unit.corners) == 4:
+        if not ((unit.vertices == 0.0) | (unit.vertices == 1.0)).all():
+            return None
+        if len(flat):
             return self._as_rectangle(unit, int(flat[0]))
-        if len(flat) or len(unit) != 6 or len(unit.corners) != 24:
-            return None
         own = _box_faces(unit)
         if own is None:
             return None
         return self.box(tuple(unit.tags[face] for face in own))
 
     def _as_rectangle(self, unit: Solid, flat: int) -> int | None:
-        across = np.delete(unit.vertices[unit.corners], flat, axis=1)
-        if len({tuple(each) for each in across.tolist()}) != 4:
-            return None
-        from ipmlang.geometry.solid import normals
-
-        if normals(unit)[0] @ normals(_rectangle(flat))[0] < 0.5:
-            return None
-        return self.box(unit.tags)
+        points = unit.vertices[unit.corners].tolist()
+        u, v = {0: (1, 2), 1: (0, 2), 2: (0, 1)}[flat]  # the axes of `_rectangle`, in its order
+        across = [(point[u], point[v]) for point in points]
+        (a, b), (c, d), (e, f), _ = across
+        turn = (c - a) * (f - d) - (d - b) * (e - c)
+        return self.box(unit.tags) if len(set(across)) == 4 and turn > 0.5 else None
 
     def _unit_asset(self, asset: int) -> Solid:
         def make() -> Solid:

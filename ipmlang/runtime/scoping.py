@@ -16,11 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.compiler import ir
+from ipmlang.geometry.pieces import Piece
 from ipmlang.geometry.solid import GeometryError, Solid
 from ipmlang.runtime import boxes
 from ipmlang.runtime.boxes import AXES, ROTATION, SIZES, State, full
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.copying import Copying, Numbers
+from ipmlang.runtime.framing import framed
 from ipmlang.runtime.keys import Words
 from ipmlang.runtime.laying import READY, SETUP, Laying, LayingError
 from ipmlang.runtime.limits import Counted
@@ -216,13 +218,15 @@ class Scoping(Copying):
         world = boxes.world_axes(state, count, given.world) if given.world else np.zeros((count, 0))
         sizes = [state[name] for name in SIZES]
         kinds = table(shown, count, state["geo"], *sizes, *world.T, *given.args)
-        found = np.zeros((len(kinds.first), 11))
-        for place, values in enumerate(kinds.rows()):
-            size, rest = np.array(values[1:4]), values[4:]
+        pieces = []
+        for number, *values in kinds.rows():
+            rest = values[3:]
             toward = np.array(rest[: world.shape[1]])
             own = given.resolved(rest[world.shape[1] :])
-            made = shape(self.pool.local(int(values[0]), size), toward, *own)
-            found[place] = self._framed(made)
+            one = shape(self.pool.local(int(number), np.array(values[:3])), toward, *own)
+            pieces.append(Piece(frozenset(), one.solid, one.axes))
+        made = framed(self.pool, pieces)
+        found = np.concatenate([made.corner, made.turn, made.size, made.geometry[:, None]], axis=1)
         blank = np.array((*np.zeros(3), 1.0, *np.zeros(7)))
         rows = kinds.spread(found, blank, count)
         changed: State = dict(boxes.moved(state, (rows[:, 0], rows[:, 1], rows[:, 2])))
@@ -230,19 +234,6 @@ class Scoping(Copying):
             changed.update(boxes.turned(state, tuple(rows[:, 3:7].T)))
         changed.update(zip((*SIZES, "geo"), rows[:, 7:].T, strict=True))
         return {**state, **changed}
-
-    def _framed(self, made: Shaped) -> tuple[float, ...]:
-        """A solid's corner in the scope it was made in, its turn, its size, and its number."""
-        from dataclasses import replace
-
-        solid, turn = made.solid, np.array((1.0, 0.0, 0.0, 0.0))
-        if made.axes is not None:
-            solid = replace(solid, vertices=solid.vertices @ made.axes.T)
-            turn = boxes.quaternion(made.axes)
-        number, low, size = self.pool.add(solid)
-        if made.axes is not None:
-            low = low @ made.axes
-        return (*low, *turn, *size, float(number))
 
     def center(
         self, _: str, count: int, args: Sequence[Column], state: State, base: State
