@@ -8,7 +8,6 @@ at a drawing.
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeAlias
@@ -27,8 +26,8 @@ Column: TypeAlias = "tuple[str, float]"  # where a column is found now, and what
 
 @dataclass(slots=True, eq=False)
 class _Joint:
-    """A table that others are joined to: its cells by column, and the loop variable's new columns
-    by old table and column.
+    """A table that others are joined to: its cells, and those that are numbers, by column; found:
+    where each column of each table that was joined stands now.
     """
 
     name: str
@@ -114,8 +113,8 @@ def join_tables(
 def _placing(rules: Sequence[ast.Rule]) -> set[str]:
     """The tables that a loop goes over and nothing else reads."""
     loops = [each for rule in rules for each in _loops(rule.body)]
-    heads = Counter(each.head.table for each in loops if isinstance(each.head, ast.Rows))
-    return set(heads) - {each.rows.table for each in loops if each.rows is not None}
+    heads = {each.head.table for each in loops if isinstance(each.head, ast.Rows)}
+    return heads - {each.rows.table for each in loops if each.rows is not None}
 
 
 def _loops(body: tuple[ast.Element, ...]) -> Iterator[ast.Repeat]:

@@ -113,8 +113,9 @@ def _turn_rule(book: Book, alphabet: Alphabet, rule: int) -> None:
     uses = join([body.places[naming(book, body, rule)] for body in book.bodies.values()])
     if not len(uses.x):
         return
-    back = inverse(frames(np.zeros(len(uses.x), np.complex128), uses.angle, 1.0, uses.handedness))
-    kinds = np.stack([np.round(back.angle, 6), back.handedness], axis=1)
+    nowhere = np.zeros(len(uses.x), np.complex128)
+    back = inverse(frames(nowhere, uses.angle, uses.scale, uses.handedness))
+    kinds = np.stack([np.round(back.angle, 6), back.handedness, np.round(back.scale, 6)], axis=1)
     _, first, often = np.unique(kinds, axis=0, return_index=True, return_counts=True)
     order = np.lexsort((first, -often))[:CANDIDATES]
     turns = [back[first[k] : first[k] + 1] for k in order.tolist()]

@@ -1,9 +1,9 @@
-"""Unlike things in a line, as a walk along it: `[at(5, 3) A f(2.5) B f(4) C]`.
+"""Unlike things in a line, as a walk along it: `[at(5, 3) A B f(4) C]`.
 
-Takes the bodies of rules as they are printed; where placements follow each other ahead on one line,
-upright and unscaled (the letters of a word, the parts of a fence), says how far it is from each to
-the next, so that one can be put between or widened and the others make room. What is drawn stays
-the same. Rows of one thing are sequences and lattices, which others find.
+Takes the bodies of rules as they are printed; where placements follow each other at one place or
+ahead on one line, upright and unscaled (the letters of a word, the parts of a fence), says how far
+it is from each to the next, so that one can be put between or widened and the others make room.
+What is drawn stays the same. Rows of one thing are sequences and lattices, which others find.
 """
 
 from __future__ import annotations
@@ -16,7 +16,8 @@ from itertools import pairwise
 from ipmlang.compiler import ast
 from ipmlang.inverse.moves import call
 
-LEAST = 3  # placements that make a walk
+LEAST = 2  # tokens that a walk saves
+PLACED, STARTED, STEP = 8, 5, 4  # tokens of `[at(x, y) A]`, of `at(x, y)` and of `f(d)`
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +27,11 @@ class _Stop:
     x: float
     y: float
     thing: ast.Module
+
+    @property
+    def moved(self) -> bool:
+        """Whether it takes words to get there."""
+        return bool(self.x or self.y)
 
 
 def with_walks(rule: ast.Rule, staying: Set[str]) -> ast.Rule:
@@ -69,21 +75,26 @@ def _stop(element: ast.Element, staying: Set[str]) -> _Stop | None:
 
 
 def _ahead(here: _Stop, there: _Stop) -> bool:
-    return here.y == there.y and here.x < there.x
+    return here.y == there.y and here.x <= there.x
 
 
 def _written(walk: list[tuple[_Stop, ast.Element]]) -> Iterator[ast.Element]:
-    """The walk, or as it was where it is too short."""
-    if len(walk) < LEAST:
+    """The walk, or as it was where that is no longer."""
+    stops = [stop for stop, _ in walk]
+    moves = sum(here.x != there.x for here, there in pairwise(stops))
+    before = sum(PLACED if stop.moved else 1 for stop in stops)
+    if not stops or before - 2 - STARTED * stops[0].moved - len(stops) - STEP * moves < LEAST:
         yield from (element for _, element in walk)
         return
-    first = walk[0][0]
+    first = stops[0]
     made: list[ast.Element] = []
-    if first.x or first.y:
+    if first.moved:
         made.append(call("at", ast.Number(first.x), ast.Number(first.y)))
     made.append(first.thing)
-    for (here, _), (there, _) in pairwise(walk):
+    for here, there in pairwise(stops):
         # The difference of decimals, so that sums of steps are the places that were rounded.
         step = Decimal(repr(there.x)) - Decimal(repr(here.x))
-        made += [call("f", ast.Number(float(step))), there.thing]
+        if step:
+            made.append(call("f", ast.Number(float(step))))
+        made.append(there.thing)
     yield ast.Bracket(tuple(made))
