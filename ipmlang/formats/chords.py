@@ -6,6 +6,8 @@ segments of an outline are evaluated together; nothing is closed, mended or flip
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,6 +29,10 @@ def chords(outline: Outline, tolerance: float) -> list[Floats]:
     >>> [len(points) for points in chords(corner, 0.1)]
     [5]
     """
+    if (outline.kind == LINE).all():
+        spans = pairwise(outline.starts.tolist())
+        return [np.concatenate([outline.coords[a:b, 0], outline.coords[b - 1 : b, 1]])
+                for a, b in spans]  # fmt: skip
     counts = _counts(outline, tolerance)
     segment = np.repeat(np.arange(len(counts)), counts)
     step = np.arange(len(segment)) - np.repeat(np.cumsum(counts) - counts, counts) + 1
@@ -34,10 +40,10 @@ def chords(outline: Outline, tolerance: float) -> list[Floats]:
     begins = np.concatenate([[0], np.cumsum(counts)])
     firsts = outline.starts[:-1]
     origin = _points(outline.kind[firsts], outline.coords[firsts], np.zeros(len(firsts)))
-    spans = zip(begins[firsts], begins[outline.starts[1:]], strict=True)
+    reaches = zip(begins[firsts], begins[outline.starts[1:]], strict=True)
     return [
         np.concatenate([origin[number : number + 1], ends[begin:end]])
-        for number, (begin, end) in enumerate(spans)
+        for number, (begin, end) in enumerate(reaches)
     ]
 
 

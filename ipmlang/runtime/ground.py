@@ -219,10 +219,11 @@ def _outlines(lots: Sequence[Lot], pool: Pool, name: str, *, many: bool) -> Stan
 
 def _is_empty(ring: Floats) -> bool:
     """Whether all points of an outline lie on a line."""
-    around = np.pad(ring - ring[:1], ((0, 0), (0, 3 - ring.shape[1])))
-    far = around[np.argmax((around * around).sum(axis=1))]
-    off = np.cross(around, far)
-    return bool((np.abs(off) <= THIN * float(far @ far)).all())
+    around = ring - ring[:1]
+    squares = np.einsum("ij,ij->i", around, around)
+    far, size = around[squares.argmax()], float(squares.max())
+    rest = around - np.outer(around @ far / (size or 1.0), far)
+    return bool(np.einsum("ij,ij->i", rest, rest).max() <= THIN * THIN * size)
 
 
 def _told(name: str, note: str, numbers: Sequence[int], many: bool) -> str:

@@ -93,8 +93,8 @@ def _onward(ring: Floats) -> Floats:
 
 
 def _twice_area(ring: Floats) -> float:
-    x, y = (ring - ring[0]).T
-    return float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum())
+    x, y = (ring - ring[0]).T  # the first is 0, and so is what it adds
+    return float((x[:-1] * y[1:] - y[:-1] * x[1:]).sum())
 
 
 # ------------------------------------------------------------------------------ holes

@@ -19,7 +19,8 @@ TABLE = (
                   "Most shapes that a derivation may make in all; where modules thread, operations "
                   "and brackets count, too.",
                   50_000_000.0, above=0),
-    SettingRecord("limit", "steps", "int", "Most generations; 5,000 where there are scopes.", 200_000.0, above=0),
+    SettingRecord("limit", "steps", "int", "Most generations; 5,000 where there are scopes.",
+                  200_000.0, above=0),
     SettingRecord("limit", "depth", "int", "Greatest depth of the derivation tree.",
                   200_000.0, above=0),
     SettingRecord("limit", "memory", "int", "Most bytes, beyond what the process had at its start.",
