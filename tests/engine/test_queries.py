@@ -236,11 +236,15 @@ Post : else --> Miss
 Posts --> [translate(0.4, 2, 0) size(0.2, 0.2, 1) cube Post]
   [translate(2, 2, 0) size(0.2, 0.2, 1) cube Post]
 """
-    for start in ('[size(3, 3, 1) insert(ell) label("ell") Shown] [Posts]', "[ell] [Posts]"):
+    for hit, start in (
+        (0.4, '[size(3, 3, 1) insert(ell) label("ell") Shown] [Posts]'),
+        (0.4, "[ell] [Posts]"),
+        (2.0, '[size(3, 3, 1) insert(ell) mirrorScope(x) label("ell") Shown] [Posts]'),
+    ):
         text = f'ipm 1\nasset ell = "ell.obj"\nstart Lot on box(3, 3, 0)\nLot --> {start}\n{rules}'
         scene = ipmlang.parse(text, folder=tmp_path).run()
-        assert [x for x, _, _ in places(scene, "Hit")] == [0.4]
-        assert [x for x, _, _ in places(scene, "Miss")] == [2.0]
+        assert [x for x, _, _ in places(scene, "Hit")] == [hit]
+        assert [x for x, _, _ in places(scene, "Miss")] == pytest.approx([2.4 - hit])
 
 
 def test_only_programs_that_ask_are_derived_twice(monkeypatch: pytest.MonkeyPatch) -> None:
