@@ -12,20 +12,17 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from ipmlang.compiler import ir
-from ipmlang.runtime import questions
+from ipmlang.runtime import questions, scope_bodies
 from ipmlang.runtime.algebra import Operand, Source
 from ipmlang.runtime.code import INFIX, Names, expression, source
-from ipmlang.runtime.fields import IDENTITY, TRIM, UNSET
+from ipmlang.runtime.fields import FRAME, IDENTITY, UNSET
+from ipmlang.runtime.fields import SCOPE as SCOPE_FIELDS
 from ipmlang.runtime.grouping import FIELD
-from ipmlang.runtime.joins import FIELD as JOIN
-from ipmlang.runtime.laying import FIELD as UV
 from ipmlang.runtime.marks import FIELD as MARK
 from ipmlang.runtime.marks import PHASE
+from ipmlang.runtime.motion import Motion, State
 from ipmlang.runtime.primitives import UnscannableError
 from ipmlang.runtime.scene import SCOPE, SEGMENT
-
-State = dict[str, Operand]
-
 
 OWN = -1  # the site of what is drawn under the shape's own key
 
@@ -75,9 +72,10 @@ class Writer:
         self._tail = tail
         self.quiet = False
         self.source = Source()
+        self.motion = Motion(setting.program, self.source)
         self.slots: list[str] = []
         self.ended: State | None = None
-        self._base: State = {}
+        self.base: State = {}
 
     # ------------------------------------------------------------------------ elements
 
@@ -86,7 +84,7 @@ class Writer:
         saved: list[State] = []
         passed = -1
         needed = self._needed(elements) if self.quiet else None
-        self._base = self._base or state
+        self.base = self.base or state
         for number, each in enumerate(elements):
             if number <= passed and each.op not in ir.VALUE_OPS:
                 continue
@@ -100,11 +98,11 @@ class Writer:
             elif each.op == "repeat":
                 state = self._repeat(each, scope, state)
             elif each.op == "slab":
-                self._slab(each, scope, state)
+                scope_bodies.slab(self, each, scope, state)
             elif each.op == "pieces":
-                self._pieces(each, scope, state)
+                scope_bodies.pieces(self, each, scope, state)
             elif each.op == "join":
-                self._join(each, scope, state)
+                scope_bodies.join(self, each, scope, state)
             elif each is self._tail:
                 self.ended = dict(state)
             elif each.op == "module":
@@ -167,8 +165,8 @@ class Writer:
                 self._draw(each, scope, given, symbol, site, state)
             if each.op == "pen" and _field(each) == FIELD:
                 state = self._grouped(each, given, inner, state)
-            elif each.op in SHAPING:
-                state = self._shaped(each, given, scope, state)
+            elif each.op in scope_bodies.SHAPING:
+                state = scope_bodies.shaped(self, each, given, scope, state)
             else:
                 state = self._state(each, given, state)
             state = questions.known(self, each, given, scope, site, state)
@@ -190,7 +188,7 @@ class Writer:
         self, each: ir.Instruction, scope: Scope, registers: Mapping[int, Operand], state: State
     ) -> Operand:
         if each.op == "state":
-            return self._asked(str(each.const), state)
+            return scope_bodies.asked(self, str(each.const), state)
         if each.op == "measure":
             parts = ", ".join(source(state[name]) for name in SCOPE_FIELDS)
             return self.source.let(f"run.measure('{each.const}', {parts})")
@@ -221,13 +219,13 @@ class Writer:
     def _state(self, each: ir.Instruction, args: list[Operand], state: State) -> State:
         match each.op:
             case "move":
-                return self._moved(state, args[0], args[1], args[2])
+                return self.motion.moved(state, args[0], args[1], args[2])
             case "segment":
-                return self._moved(state, args[0], 0.0, 0.0)
+                return self.motion.moved(state, args[0], 0.0, 0.0)
             case "rotate":
-                return self._rotated(state, str(each.const), args[0])
+                return self.motion.rotated(state, str(each.const), args[0])
             case "orient":
-                return self._oriented(state, args)
+                return self.motion.oriented(state, args)
             case "scale":
                 factor = args[0]
                 if not isinstance(factor, float) or factor <= 0:
@@ -236,76 +234,16 @@ class Writer:
             case "mirror":
                 return {**state, "scale": self.source.minus(state["scale"])}
             case "level":
-                return self._levelled(state)
+                return self.motion.levelled(state, self.quiet)
             case "pen":
                 return self._penned(each, args, state)
             case "phase":
                 before = source(state[PHASE])
-                return {**state, PHASE: self._held(f"run.later({source(args[0])}, {before})")}
+                return {**state, PHASE: self.held(f"run.later({source(args[0])}, {before})")}
             case "layer":
                 return {**state, "layer": self.source.add(state["layer"], args[0])}
             case _:
                 return state
-
-    def _hand(self, state: State) -> Operand:
-        scale = state.get("scale", 1.0)
-        if isinstance(scale, float):
-            return 1.0 if scale > 0 else -1.0
-        mirrors = any(
-            each.op == "mirror" or (each.op == "solid" and each.const == "mirrorScope")
-            for symbol in self._setting.program.symbols
-            for each in symbol.meaning or ()
-        )
-        return self.source.let(f"copysign(1.0, {scale})") if mirrors else 1.0
-
-    def _moved(self, state: State, x: Operand, y: Operand, z: Operand) -> State:
-        write = self.source
-        scale = state.get("scale", 1.0)
-        size = write.multiply(scale, self._hand(state))
-        x, y, z = write.multiply(x, scale), write.multiply(y, size), write.multiply(z, size)
-        if "angle" in state:
-            cosine, sine = write.unit(state["angle"])
-            across = write.multiply(y, sine)
-            moved: tuple[Operand, ...] = (
-                write.subtract(write.multiply(x, cosine), across),
-                write.sum((x, sine), (y, cosine)),
-            )
-        else:
-            rotation = (state["w"], state["i"], state["j"], state["k"])
-            moved = write.turned(rotation, (x, y, z))
-        changed = {
-            axis: write.add(state[axis], step)
-            for axis, step in zip("xyz"[: len(moved)], moved, strict=True)
-        }
-        return {**state, **changed}
-
-    def _rotated(self, state: State, axis: str, degrees: Operand) -> State:
-        hand = self._hand(state)
-        if "angle" in state:
-            turn = self.source.multiply(degrees, hand)
-            return {**state, "angle": self.source.add(state["angle"], turn)}
-        return self._turned(state, self.source.quaternion(axis, degrees, hand))
-
-    def _turned(self, state: State, turn: tuple[Operand, Operand, Operand, Operand]) -> State:
-        rotation = (state["w"], state["i"], state["j"], state["k"])
-        return {**state, **dict(zip("wijk", self.source.product(rotation, turn), strict=True))}
-
-    def _oriented(self, state: State, args: list[Operand]) -> State:
-        hand = self._hand(state)
-        found = self.source.let(f"normal({', '.join(source(arg) for arg in args)})")
-        w, x, y, z = (self.source.let(f"{found}[{axis}]") for axis in range(4))
-        turn = (w, x, self.source.multiply(y, hand), self.source.multiply(z, hand))
-        return self._turned(state, turn)
-
-    def _levelled(self, state: State) -> State:
-        if "angle" in state:
-            return state
-        if self.quiet:
-            raise UnscannableError
-        names = ", ".join(source(state[axis]) for axis in "wijk")
-        found = self.source.let(f"level({names}, {source(self._hand(state))})")
-        own = {axis: self.source.let(f"{found}[{n}]") for n, axis in enumerate("wijk")}
-        return {**state, **own}
 
     def _penned(self, each: ir.Instruction, args: list[Operand], state: State) -> State:
         field = _field(each)
@@ -330,7 +268,7 @@ class Writer:
         parts = [source(self._pen_value(each, args)), source(state[FIELD])]
         parts.append(self.mapping(state, names))
         count = [] if self._single else [scope.count]
-        return {**state, FIELD: self._held(f"run.group({', '.join([*count, *parts])})")}
+        return {**state, FIELD: self.held(f"run.group({', '.join([*count, *parts])})")}
 
     # ---------------------------------------------------------------- what is handed over
 
@@ -357,16 +295,16 @@ class Writer:
             size = args if len(args) == 3 else size
         if asset == SCOPE and "geo" in state:
             size = [state[name] for name in ("sx", "sy", "sz")]
-            shown = self._held(f"run.some({source(state['geo'])}, {scope.count}, {shown})")
+            shown = self.held(f"run.some({source(state['geo'])}, {scope.count}, {shown})")
         parts = (self.values(size), self.values(state.values()))
         if self._single:
             key = "k0, k1" if site == OWN else f"*child(k0, k1, {site})"
             what = f"(rule, {symbol}, {asset}, *{parts[0]}, *{parts[1]}, {key})"
-            self.slots.append(self._held(f"~run.draw({what})"))
+            self.slots.append(self.held(f"~run.draw({what})"))
         else:
             where = f"{scope.k0}, {scope.k1}, {site}, {scope.tuple}"
             what = f"{scope.count}, rule, {symbol}, {asset}, {parts[0]}, {parts[1]}, {where}"
-            self.slots.append(self._held(f"run.draw({what}, {shown})"))
+            self.slots.append(self.held(f"run.draw({what}, {shown})"))
 
     def _make(
         self, symbol: int, scope: Scope, args: tuple[Operand, ...], site: int, state: State
@@ -377,9 +315,9 @@ class Writer:
         else:
             where = f"{scope.k0}, {scope.k1}, {site}, {scope.tuple}"
             made = f"run.make({scope.count}, {symbol}, rule, {columns}, {where}, {scope.shown})"
-        self.slots.append(self._held(made))
+        self.slots.append(self.held(made))
 
-    def _held(self, call: str) -> str:
+    def held(self, call: str) -> str:
         name = self.source.name()
         self.source.lines.append(f"{name} = {call}")
         return name
@@ -408,11 +346,11 @@ class Writer:
         shown = "" if scope.shown is None else f", {scope.shown}"
         limit = source(scope.registers[each.args[0]])
         counts = write.let(f"run.counts({limit}, {scope.count}{shown})")
-        found = self._held(f"run.copies({counts})")
+        found = self.held(f"run.copies({counts})")
         owner, index = write.let(f"{found}[0]"), write.let(f"{found}[1]")
         assert isinstance(each.const, int)
-        inner = self._gathered(each, each.const, scope, owner, index)
-        own = {name: self._taken(value, owner) for name, value in state.items()}
+        inner = self.gathered(each, each.const, scope, owner, index)
+        own = {name: self.taken(value, owner) for name, value in state.items()}
         start: State = {name: IDENTITY.get(name, 0.0) for name in state}
         start.update({name: own[name] for name in (*SCOPE_FIELDS, MARK) if name in own})
         pens = [name for name in state if name not in (*FRAME, *SCOPE_FIELDS, MARK)]
@@ -441,7 +379,7 @@ class Writer:
         frame = [name for name in state if name in FRAME]
         if any(step[name] != start[name] for name in frame):
             parts = f"{self.mapping(state, frame)}, {self.mapping(step, frame)}"
-            found = self._held(f"run.walk({counts}, {count}, {parts})")
+            found = self.held(f"run.walk({counts}, {count}, {parts})")
             for name in frame:
                 own[name] = write.let(f"{found}[0]['{name}']")
                 after[name] = write.let(f"{found}[1]['{name}']")
@@ -449,7 +387,7 @@ class Writer:
             if name not in FRAME and step[name] != start[name]:
                 kind = "total" if name == "layer" else "last"
                 parts = f"{source(state[name])}, {source(step[name])}"
-                found = self._held(f"run.{kind}({counts}, {count}, {parts})")
+                found = self.held(f"run.{kind}({counts}, {count}, {parts})")
                 own[name], after[name] = write.let(f"{found}[0]"), write.let(f"{found}[1]")
         return own, after
 
@@ -457,7 +395,7 @@ class Writer:
         """The source of some fields of a state."""
         return "{" + ", ".join(f"'{name}': {source(state[name])}" for name in names) + "}"
 
-    def _gathered(
+    def gathered(
         self, each: ir.Instruction, number: int, scope: Scope, owner: str, index: str
     ) -> Scope:
         """The names of the batch of copies; `each` is a repeat, or one part of pieces."""
@@ -467,7 +405,7 @@ class Writer:
         )
         shown = None
         for register in each.args[1:]:
-            hole = self._taken(scope.registers[register], owner)
+            hole = self.taken(scope.registers[register], owner)
             clear = self.source.let(f"({source(hole)} != {index})")
             shown = clear if shown is None else self.source.let(f"{shown} & {clear}")
         rows = None if shown is None else self.source.let(f"flatnonzero({shown})")
@@ -478,9 +416,9 @@ class Writer:
             self.source.let(f"len({owner})"),
             self.source.let(f"{scope.k0}[{owner}]"),
             self.source.let(f"{scope.k1}[{owner}]"),
-            tuple(self._taken(value, owner) for value in scope.params),
+            tuple(self.taken(value, owner) for value in scope.params),
             {
-                register: self._taken(value, owner)
+                register: self.taken(value, owner)
                 for register, value in scope.registers.items()
                 if register in used
             },
@@ -489,139 +427,14 @@ class Writer:
             {around: self.source.let(f"{name}[{owner}]") for around, name in scope.many.items()},
         )
 
-    def _taken(self, value: Operand, owner: str) -> Operand:
+    def taken(self, value: Operand, owner: str) -> Operand:
         return value if isinstance(value, float) else self.source.let(f"take({value}, {owner})")
 
-    # ------------------------------------------------------------------ scopes and parts
-
-    def _asked(self, name: str, state: State) -> Operand:
-        """A field of the state that a body reads as a number."""
-        if self.quiet and name in FRAME:  # what copies before this one did is not known yet
-            raise UnscannableError
-        return state.get(name, -1.0)
-
-    def _shaped(
-        self, each: ir.Instruction, args: list[Operand], scope: Scope, state: State
-    ) -> State:
-        """What an operation makes of the scope and its geometry. In a repeat every copy has its
-        own: nothing of it reaches the next.
-        """
-        if self.quiet:
-            return state
-        if each.op == "report":
-            what = f"{scope.count}, {self.values(args)}, {scope.shown}"
-            self.source.lines.append(f"run.report({what})")
-            return state
-        if each.op == "lay":
-            return self._laid(each, args, scope, state)
-        if each.op == "resize":
-            sizes = (self.source.let(f"run.extent({source(arg)})") for arg in args)
-            return {**state, **dict(zip(("sx", "sy", "sz"), sizes, strict=True))}
-        names = [name for name in state if name in FRAME or name in (*SCOPE_FIELDS, TRIM)]
-        base = {name: self._base.get(name, state[name]) for name in names}
-        what = "center" if each.op == "center" else str(each.const)
-        parts = f"'{what}', {scope.count}, {self.values(args)}, {self.mapping(state, names)}"
-        more = f"{self.mapping(base, names)}" if each.op == "center" else scope.shown
-        call = "center" if each.op == "center" else "solid"
-        found = self._held(f"run.{call}({parts}, {more})")
-        changed = MOVED if each.op == "center" else changed_by(what)
-        own = {name: self.source.let(f"{found}['{name}']") for name in changed if name in state}
-        return {**state, **own}
-
-    def _laid(self, each: ir.Instruction, args: list[Operand], scope: Scope, state: State) -> State:
-        """From here on textures lie as the operation says."""
-        names = [name for name in state if name in FRAME]
-        what = f"{each.const!r}, {scope.count}, {self.values(args)}, {source(state[UV])}"
-        return {
-            **state,
-            UV: self._held(f"run.lay({what}, {self.mapping(state, names)}, {scope.shown})"),
-        }
-
-    def _slab(self, each: ir.Instruction, scope: Scope, state: State) -> None:
-        """The part of the scope between two planes."""
-        if self.quiet:
-            return
-        assert isinstance(each.const, int)
-        low, size = (source(scope.registers[arg]) for arg in each.args)
-        scopes = ", ".join(source(state[name]) for name in SCOPE_FIELDS)
-        what = f"{each.const}, {scope.count}, {low}, {size}, {scopes}, {scope.shown}"
-        found = self._held(f"run.slab({what})")
-        shown, begin, extent, geometry = (self.source.let(f"{found}[{k}]") for k in range(4))
-        axis = min(each.const, 2) if each.const < 3 else 0
-        move: list[Operand] = [0.0, 0.0, 0.0]
-        move[axis] = begin
-        own = self._moved(state, move[0], move[1], move[2])
-        own = {**own, ("sx", "sy", "sz")[axis]: extent, "geo": geometry}
-        self._within(each.body, replace(scope, registers=dict(scope.registers), shown=shown), own)
-
-    def _pieces(self, each: ir.Instruction, scope: Scope, state: State) -> None:
-        """The parts that an operation makes, a batch of copies for each selector."""
-        if self.quiet:
-            return
-        assert isinstance(each.const, tuple)
-        name, number, site = each.const
-        assert isinstance(number, int)
-        args = [scope.registers[arg] for arg in each.args]
-        names = [name for name in state if name in FRAME or name in (*SCOPE_FIELDS, TRIM)]
-        selectors = tuple(part.const for part in each.body if part.op == "part")
-        keys = f"({scope.k0}, {scope.k1}, {site}, {scope.tuple})"
-        what = f"{name!r}, {selectors!r}, {scope.count}, {self.values(args)}"
-        call = f"run.pieces({what}, {self.mapping(state, names)}, {keys}, {scope.shown})"
-        found = self._held(call)
-        parts = [part for part in each.body if part.op == "part"]
-        for place, part in enumerate(parts):
-            mine = self.source.let(f"{found}[{place}]")
-            owner, index = self.source.let(f"{mine}.owner"), self.source.let(f"{mine}.index")
-            inner = self._gathered(part, number, replace(scope, shown=None), owner, index)
-            inner = replace(inner, many={**inner.many, number: self.source.let(f"{mine}.many")})
-            own = {
-                name: self.source.let(f"{mine}.state['{name}']")
-                if name in names
-                else self._taken(value, owner)
-                for name, value in state.items()
-            }
-            outer, self.slots = self.slots, []
-            self._within(part.body, inner, own)
-            slots, self.slots = self.values(self.slots), outer
-            self.slots.append(f"Copies({mine}.counts, {owner}, {slots})")
-
-    def _join(self, each: ir.Instruction, scope: Scope, state: State) -> None:
-        """Parts whose solids become one: each has a number, and draws under it."""
-        if self.quiet:
-            return
-        parts = [part for part in each.body if part.op == "part"]
-        names = [name for name in state if name in FRAME]
-        what = f"{each.const!r}, {len(parts)}, {scope.count}, {source(state[JOIN])}"
-        found = self._held(f"run.join({what}, {self.mapping(state, names)})")
-        for place, part in enumerate(parts):
-            number = self.source.let(f"{found} + {place}.0")
-            inner = replace(scope, registers=dict(scope.registers))
-            self._within(part.body, inner, {**state, JOIN: number})
-
-    def _within(self, body: Sequence[ir.Instruction], scope: Scope, state: State) -> None:
+    def within(self, body: Sequence[ir.Instruction], scope: Scope, state: State) -> None:
         """A body of its own; `center` in it asks for the scope that it began with."""
-        before, self._base = self._base, state
+        before, self.base = self.base, state
         self.body(body, scope, questions.began(self, body, scope, state))
-        self._base = before
-
-
-FRAME = frozenset({"x", "y", "z", "angle", "w", "i", "j", "k", "scale"})
-
-
-MOVED = ("x", "y", "z")
-SCOPE_FIELDS = ("sx", "sy", "sz", "geo")
-SHAPING = frozenset({"resize", "solid", "center", "report", "lay"})
-
-
-def changed_by(name: str) -> tuple[str, ...]:
-    """The fields that an operation on a shape's geometry may change."""
-    turned = ("w", "i", "j", "k", "scale") if name in TURNING else ()
-    return (*MOVED, *SCOPE_FIELDS, *turned)
-
-
-TURNING = frozenset(
-    {"rotate", "rotateScope", "mirrorScope", "alignScopeToAxes", "alignScopeToGeometry"}
-)
+        self.base = before
 
 
 def _field(each: ir.Instruction) -> str:

@@ -14,12 +14,12 @@ from ipmlang.runtime.bodies import (
     OWN,
     Scope,
     Setting,
-    State,
     Writer,
 )
 from ipmlang.runtime.chains import Chain, Drawing, tail_of, walk_of
 from ipmlang.runtime.choose import OVER, out_of_range, over
 from ipmlang.runtime.code import compile_values, source
+from ipmlang.runtime.motion import State
 from ipmlang.runtime.primitives import UnscannableError, function, names_for
 
 Body: TypeAlias = Callable[..., tuple[object, ...]]

@@ -22,6 +22,7 @@ UPRIGHT = (0.5, 0.5, -0.5, 0.5)  # heading +z, left -x, up -y
 PLANE = ("x", "y", "angle")
 SPACE = ("x", "y", "z", "w", "i", "j", "k")
 SCOPE = ("sx", "sy", "sz", "geo")  # extents, and the number of the geometry in the pool
+FRAME = frozenset({"x", "y", "z", "angle", "w", "i", "j", "k", "scale"})
 UNSET = -1e300  # of a pen's field that copies leave as it was
 IDENTITY = {"w": 1.0, "scale": 1.0}  # all other fields of a frame are 0
 

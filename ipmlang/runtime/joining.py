@@ -305,8 +305,9 @@ def _replaced(rows: Rows, part: NDArray[np.int32], made: Members, pool: Pool) ->
     keep = part < 0
     keep[made.row] = True
     chosen = np.flatnonzero(keep)
-    position, size, scale = (np.array(each) for each in (rows.position, rows.size, rows.scale))
-    asset, shape, rotation = (np.array(each) for each in (rows.asset, rows.shape, rows.rotation))
+    position, size = np.array(rows.position), np.array(rows.size)
+    scale, rotation = np.array(rows.scale), np.array(rows.rotation)
+    asset, shape = np.array(rows.asset), np.array(rows.shape)
     position[made.row] = made.frames.position
     size[made.row], scale[made.row] = made.size, made.frames.scale
     rotation[made.row] = _quaternions(made.frames.rotation)

@@ -16,7 +16,8 @@ from ipmlang.runtime.marks import ASKING, FIELD, LABELLED, REPORTING, SEEN, firs
 from ipmlang.runtime.primitives import UnscannableError
 
 if TYPE_CHECKING:
-    from ipmlang.runtime.bodies import Scope, State, Writer
+    from ipmlang.runtime.bodies import Scope, Writer
+    from ipmlang.runtime.motion import State
 
 
 def answered(
