@@ -8,7 +8,7 @@ the grammar's own folder unless that is allowed. No name inside a rule is looked
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache as remember
 from pathlib import Path
@@ -246,10 +246,20 @@ class _Loading:
                 item.span,
                 "no-such-import",
                 f'there is no "{item.path}" in {where}',
-                suggestions=nearest(item.path, known),
+                suggestions=_near(item.path, known),
             )
             return None
         return path, root
+
+
+def _near(path: str, known: Iterable[str]) -> tuple[str, ...]:
+    """The nearest paths in the same folder: only their last words count."""
+    folder, slash, name = path.rpartition("/")
+    beside = [each for each in known if each.rpartition("/")[0] == folder]
+    if not beside:
+        return nearest(path, known)
+    words = nearest(name, [each.rpartition("/")[2] for each in beside])
+    return tuple(f"{folder}{slash}{word}" for word in words)
 
 
 def import_name(path: str) -> str:

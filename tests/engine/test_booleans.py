@@ -98,7 +98,8 @@ def test_several_solids_of_a_part_are_united_first() -> None:
 def test_frames_that_turn_scale_and_mirror() -> None:
     rules = (
         "Lot --> rotate(10, 20, 30) *(2) mirrorScope(x) translate(1, 2, 3) "
-        "subtract { roofGable(30) Mass | rotate(5, 0, 40) mirrorScope(y) size(3, 2, 1) Hole }\n"
+        "subtract { roofGable(30) Mass | translate(4, 2, 0) rotate(5, 0, 40) mirrorScope(y) "
+        "size(3, 2, 1) Hole }\n"
         "start Lot on box(10, 6, 0)"
     )
     scene = drawn(rules)
