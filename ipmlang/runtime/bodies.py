@@ -76,6 +76,8 @@ class Writer:
         self.slots: list[str] = []
         self.ended: State | None = None
         self.base: State = {}
+        self.owners: list[str] = []  # of the copies around, since the base was noted
+        self.unknown: set[str] = set()  # of a quiet walk: what an operation on geometry made of it
 
     # ------------------------------------------------------------------------ elements
 
@@ -190,6 +192,7 @@ class Writer:
         if each.op == "state":
             return scope_bodies.asked(self, str(each.const), state)
         if each.op == "measure":
+            self.known(SCOPE_FIELDS)
             parts = ", ".join(source(state[name]) for name in SCOPE_FIELDS)
             return self.source.let(f"run.measure('{each.const}', {parts})")
         if each.op == "count":
@@ -356,14 +359,18 @@ class Writer:
         pens = [name for name in state if name not in (*FRAME, *SCOPE_FIELDS, MARK)]
         start.update({name: UNSET for name in pens if name != "layer"})
         quiet, self.quiet = self.quiet, True
+        unknown, self.unknown = self.unknown, set(self.unknown)
         step = self.body(each.body, inner, dict(start))
-        self.quiet = quiet
+        step.update((name, start[name]) for name in SCOPE_FIELDS if name in start)
+        self.quiet, self.unknown = quiet, unknown
         after = state
         if step != start:
             own, after = self._walked(state, step, start, own, counts, owner)
         if not quiet:
             outer, self.slots = self.slots, []
+            self.owners.append(owner)
             self.body(each.body, inner, questions.began(self, each.body, inner, own))
+            self.owners.pop()
             slots, self.slots = self.values(self.slots), outer
             self.slots.append(f"Copies({counts}, {owner}, {slots})")
         return after
@@ -430,11 +437,17 @@ class Writer:
     def taken(self, value: Operand, owner: str) -> Operand:
         return value if isinstance(value, float) else self.source.let(f"take({value}, {owner})")
 
+    def known(self, names: Iterable[str]) -> None:
+        """A walk that makes nothing cannot tell what an operation has made of the geometry."""
+        if self.quiet and not self.unknown.isdisjoint(names):
+            raise UnscannableError
+
     def within(self, body: Sequence[ir.Instruction], scope: Scope, state: State) -> None:
         """A body of its own; `center` in it asks for the scope that it began with."""
         before, self.base = self.base, state
+        owners, self.owners = self.owners, []
         self.body(body, scope, questions.began(self, body, scope, state))
-        self.base = before
+        self.base, self.owners = before, owners
 
 
 def _field(each: ir.Instruction) -> str:

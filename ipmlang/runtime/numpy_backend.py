@@ -54,7 +54,8 @@ def derive_frontier(
             if program.scoped:
                 raise fail(
                     "not-executable",
-                    "a `repeat` levels the turtle, or asks where it is, and moves on from there",
+                    "a `repeat` levels the turtle, or asks where it is, or asks how large it is "
+                    "once its geometry is another one, and moves on from there",
                     hint="put brackets around what moves, or compute the place from the copy's "
                     "number",
                 ) from None

@@ -28,6 +28,8 @@ TURNING = frozenset(
     {"rotate", "rotateScope", "mirrorScope", "alignScopeToAxes", "alignScopeToGeometry"}
 )
 
+KEEPING = frozenset({"mirrorScope", "tag", "reverseNormals"})  # they leave all measures alone
+
 
 def changed_by(name: str) -> tuple[str, ...]:
     """The fields that an operation on a shape's geometry may change."""
@@ -39,6 +41,7 @@ def asked(writer: Writer, name: str, state: State) -> Operand:
     """A field of the state that a body reads as a number."""
     if writer.quiet and name in FRAME:  # what copies before this one did is not known yet
         raise UnscannableError
+    writer.known((name,))
     return state.get(name, -1.0)
 
 
@@ -48,7 +51,13 @@ def shaped(
     """What an operation makes of the scope and its geometry. In a repeat every copy has its
     own: nothing of it reaches the next.
     """
+    if each.op == "resize":
+        sizes = (writer.source.let(f"run.extent({source(arg)})") for arg in args)
+        writer.unknown -= {"sx", "sy", "sz"}
+        return {**state, **dict(zip(("sx", "sy", "sz"), sizes, strict=True))}
     if writer.quiet:
+        if each.op == "solid" and each.const not in KEEPING:
+            writer.unknown.update(SCOPE)
         return state
     if each.op == "report":
         what = f"{scope.count}, {writer.values(args)}, {scope.shown}"
@@ -56,11 +65,8 @@ def shaped(
         return state
     if each.op == "lay":
         return laid(writer, each, args, scope, state)
-    if each.op == "resize":
-        sizes = (writer.source.let(f"run.extent({source(arg)})") for arg in args)
-        return {**state, **dict(zip(("sx", "sy", "sz"), sizes, strict=True))}
     names = [name for name in state if name in FRAME or name in (*SCOPE, TRIM)]
-    base = {name: writer.base.get(name, state[name]) for name in names}
+    base = {name: _began(writer, name, state) for name in names}
     what = "center" if each.op == "center" else str(each.const)
     parts = f"'{what}', {scope.count}, {writer.values(args)}, {writer.mapping(state, names)}"
     more = f"{writer.mapping(base, names)}" if each.op == "center" else scope.shown
@@ -69,6 +75,14 @@ def shaped(
     changed = MOVED if each.op == "center" else changed_by(what)
     own = {name: writer.source.let(f"{found}['{name}']") for name in changed if name in state}
     return {**state, **own}
+
+
+def _began(writer: Writer, name: str, state: State) -> Operand:
+    """A field of the scope that the body began with, a row for each copy."""
+    value = writer.base.get(name, state[name])
+    for owner in writer.owners:
+        value = writer.taken(value, owner)
+    return value
 
 
 def laid(

@@ -7,7 +7,7 @@ repeats take the number of copies that fits best, one factor stretches what floa
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 TINY = 1e-9
 
@@ -16,6 +16,7 @@ TINY = 1e-9
 class Part:
     kind: str
     size: float
+    source: object = field(default=None, compare=False)
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,7 @@ class Group:
 
 
 Parts = Sequence["Part | Group"]
+Piece = tuple[Part, tuple[int, ...], float, float]  # the copies it is of, where, and how long
 
 
 def text_of(parts: Parts) -> str:
@@ -40,20 +42,30 @@ def text_of(parts: Parts) -> str:
 
 def widths(parts: Parts, length: float) -> list[tuple[float, float]]:
     """Where each piece begins and how long it is."""
-    found: list[tuple[float, float]] = []
-    _share(parts, 0.0, length, length, found)
-    return [(low, size) for low, size in found if size > TINY * length]
+    return [(low, size) for _, _, low, size in pieces(parts, length)]
+
+
+def pieces(parts: Parts, length: float) -> list[Piece]:
+    """The pieces that are there, one after the other."""
+    found: list[Piece] = []
+    _share(parts, 0.0, length, length, (), found)
+    return [each for each in found if each[3] > TINY * length]
 
 
 def _share(
-    parts: Parts, begin: float, length: float, whole: float, found: list[tuple[float, float]]
+    parts: Parts,
+    begin: float,
+    length: float,
+    whole: float,
+    copies_around: tuple[int, ...],
+    found: list[Piece],
 ) -> None:
     singles = [each for each in parts if isinstance(each, Part)]
     groups = [each for each in parts if isinstance(each, Group)]
     room = max(length - sum(_nominal(each, whole) for each in singles), 0.0)
     periods = {id(each): _nominal(each, whole) for each in groups}
     copies = {
-        id(each): _copies(each, room * periods[id(each)] / sum(periods.values()), whole)
+        id(each): _copies(each, room * periods[id(each)] / (sum(periods.values()) or 1.0), whole)
         for each in groups
     }
     fixed = sum(_fixed(each, whole) * copies.get(id(each), 1) for each in parts)
@@ -66,18 +78,16 @@ def _share(
         size = own + factor * (_nominal(each, whole) - own)
         if isinstance(each, Part):
             size = min(size, length - at)
-            found.append((begin + at, size))
+            found.append((each, copies_around, begin + at, size))
             at += size
             continue
         left = length - at
         for number in range(copies[id(each)]):
-            if each.mode == "+" and not _floats(each):
-                _share(each.parts, begin + at + number * size,
-                       min(size, left - number * size), whole, found)  # fmt: skip
-            else:
-                _share(each.parts, begin + at + number * size, size, whole, found)
-        taken = copies[id(each)] * size
-        at += min(taken, left) if each.mode == "+" and not _floats(each) else taken
+            low = number * size
+            span = min(size, left - low)  # only what is fixed can need more than there is
+            around = (*copies_around, number)
+            _share(each.parts, begin + at + low, span, whole, around, found)
+        at += min(copies[id(each)] * size, left)
 
 
 def _nominal(each: Part | Group, whole: float) -> float:

@@ -14,6 +14,7 @@ from ipmlang.compiler import ast, ir
 from ipmlang.compiler.lower.expr import Code, Environment, Known, Operand
 
 AXES = {"x": 0, "y": 1, "z": 2, "area": 3}  # `area`: along x, measured in area
+LEAST = 1e-9  # of the whole length: a part that is no longer makes no shape
 EXTENTS = {"x": "sx", "y": "sy", "z": "sz"}
 
 # what writes the body of one part: code, elements, names
@@ -138,27 +139,24 @@ class _Level:
         """
         repeats, factor = self._shares(code, pieces, length)
         sizes = [_sized(code, piece, factor) for piece in pieces]
-        made = self._made(code, pieces, repeats, sizes) if self._splitting.counts else repeats
+        made = self._made(code, pieces, repeats, sizes, length)
         if count is None:
-            count = _total(code, made) if self._splitting.counts else Known(0.0)
+            count = _total(code, made)
         at: Operand = Known(0.0)
         for piece, times, size, number in zip(pieces, repeats, sizes, made, strict=True):
+            room = _minus(code, length, at)
+            where = _plus(code, begin, at)
             if times is None:
-                size = code.call("min", (size, _minus(code, length, at)))
-                low = _plus(code, begin, at)
+                size = code.call("min", (size, room))
                 assert isinstance(piece.part, ast.SplitPart)
                 ordinal = Ordinal(first, count)
-                self._splitting.body(code, self._axis, piece.part, low, size, ordinal, self._names)
+                names = self._names
+                self._splitting.body(code, self._axis, piece.part, where, size, ordinal, names)
             else:
-                room = _minus(code, length, at)
-                where = _plus(code, begin, at)
                 self._group(code, piece, times, size, where, room, first, count)
-                size = code.call("mul", (times, size))
-                if _cuts(piece):
-                    size = code.call("min", (size, room))
+                size = _taken(code, piece, times, size, room)
             at = _plus(code, at, size)
-            if number is not None and self._splitting.counts:
-                first = code.call("add", (first, number))
+            first = _plus(code, first, number)
 
     def _shares(
         self, code: Code, pieces: Sequence[Piece], length: Operand
@@ -197,21 +195,48 @@ class _Level:
         pieces: Sequence[Piece],
         repeats: Sequence[Operand | None],
         sizes: Sequence[Operand],
-    ) -> list[Operand | None]:
-        """How many pieces each part makes, all copies together."""
-        made: list[Operand | None] = []
+        length: Operand,
+    ) -> list[Operand]:
+        """How many pieces each part makes in a level that is so long, all copies together; nobody
+        asks: 0.
+        """
+        if not self._splitting.counts:
+            return [Known(0.0)] * len(pieces)
+        made: list[Operand] = []
+        at: Operand = Known(0.0)
         for piece, times, size in zip(pieces, repeats, sizes, strict=True):
+            room = _minus(code, length, at)
             if times is None:
-                made.append(Known(1.0))
+                size = code.call("min", (size, room))
+                least = code.call("mul", (self._whole, Known(LEAST)))
+                there = code.call("gt", (size, least))
+                made.append(code.call("select", (there, Known(1.0), Known(0.0))))
             else:
-                made.append(code.call("mul", (times, self._in_one(code, piece, size))))
+                made.append(self._in_all(code, piece, times, size, room))
+                size = _taken(code, piece, times, size, room)
+            at = _plus(code, at, size)
         return made
+
+    def _in_all(
+        self, code: Code, piece: Piece, times: Operand, period: Operand, room: Operand
+    ) -> Operand:
+        """How many pieces the copies of a group make: of the last one, what there is room for."""
+        whole = code.call("mul", (times, self._in_one(code, piece, period)))
+        if not _overflows(piece):
+            return whole
+        fitting = code.call("floor", (code.call("div", (room, period)),))
+        left = code.call("sub", (room, code.call("mul", (fitting, period))))
+        some = code.call("mul", (fitting, self._in_one(code, piece, period)))
+        cut = code.call("add", (some, self._in_one(code, piece, left)))
+        all_fit = code.call("ge", (fitting, times))
+        none = code.call("le", (period, Known(0.0)))
+        return code.call("select", (code.call("or", (all_fit, none)), whole, cut))
 
     def _in_one(self, code: Code, piece: Piece, length: Operand) -> Operand:
         """How many pieces one copy of a group makes, which is `length` long."""
         repeats, factor = self._shares(code, piece.inner, length)
         sizes = [_sized(code, each, factor) for each in piece.inner]
-        return _total(code, self._made(code, piece.inner, repeats, sizes))
+        return _total(code, self._made(code, piece.inner, repeats, sizes, length))
 
     def _group(
         self,
@@ -231,14 +256,34 @@ class _Level:
         before = inner.call("mul", (index, period))
         where = _plus(inner, begin, before)
         length: Operand = period
-        if _cuts(piece):
-            left = inner.call("sub", (room, before))
-            length = inner.call("min", (period, left))
+        if _overflows(piece):
+            left = inner.call("min", (period, inner.call("sub", (room, before))))
+            length = inner.call("select", (_over(code, times, period, room), left, period))
         if self._splitting.counts:
             each = self._in_one(inner, piece, period)
             first = inner.call("add", (first, inner.call("mul", (index, each))))
         self.write(inner, piece.inner, where, length, first, count)
         code.repeat(number, (times,), inner, piece.part.span)
+
+
+def _overflows(piece: Piece) -> bool:
+    """Whether the copies of a group may need more room than there is: what is fixed does not give
+    way, and `+` makes one copy more than fits.
+    """
+    return not (isinstance(piece.fixed, Known) and piece.fixed.value == 0)
+
+
+def _over(code: Code, times: Operand, period: Operand, room: Operand) -> Operand:
+    """Whether they do; by a last bit they do not."""
+    return code.call("gt", (code.call("mul", (times, period)), room))
+
+
+def _taken(code: Code, piece: Piece, times: Operand, period: Operand, room: Operand) -> Operand:
+    """The length that the copies of a group take."""
+    size = code.call("mul", (times, period))
+    if not _overflows(piece):
+        return size
+    return code.call("select", (_over(code, times, period, room), room, size))
 
 
 def _cuts(piece: Piece) -> bool:
