@@ -46,6 +46,7 @@ from ipmlang.inverse.upright import make_upright, settle_terminals
 LEAST_REGULAR = 0.3  # of the flat tokens: what is shorter needs no other look
 LEFT = 4  # placements of one symbol that a lattice could say
 NOISE_TOKENS = 1.1  # times as many tokens a regular grammar with residuals may have
+SHORT = 0.1  # of the flat tokens: a recursion that no other rules will beat
 FEW = 600  # elements for which a second look costs hardly any time
 MOST_SCATTERED = 6000  # symbols among which lattices are looked for
 
@@ -132,6 +133,10 @@ def best_grammar(
     if not flat:
         say("looking for recursion")
         attempts += _recursive(replace(plain, use_tables=True))
+        if len(observed) > FEW and not (options.explain or options.paper):
+            made = _clearly(goal, attempts, flat_tokens)
+            if made is not None:
+                return made
         say("looking for rules")
         # Where a recursion draws everything, no other way to see its lines is worth the time.
         ways = ways[:1] if attempts else ways
@@ -216,6 +221,17 @@ def _recursive(subject: Subject) -> list[Attempt]:
         return []
     written, rules = found
     return [Attempt("recursion", lambda: written, Counts(rules, rules, 1.0), written.tokens)]
+
+
+def _clearly(goal: Goal, attempts: list[Attempt], flat_tokens: int) -> Made | None:
+    """A recursion so short that no other rules need to be looked for, if it is right."""
+    short = [each for each in attempts if each.tokens <= SHORT * flat_tokens]
+    if not short:
+        return None
+    try:
+        return _first_right(goal, short, None, flat_tokens)
+    except IpmError:  # what is wrong is tried among the others, which say so
+        return None
 
 
 def _searched(
