@@ -57,13 +57,32 @@ def gable_edges(rings: list[Ring], ridge: float | None) -> set[int]:
             np.einsum("ij,ij->i", np.roll(along, 1, axis=0), np.roll(along, -1, axis=0)) < FACING
         )
         own = [outline.edges[side[0]] for side in sides]
-        numbers = 1 + max(edge for ring in rings for edge in ring.edges)
-        faces = skeleton_of([Ring(corners, own), *rings[1:]], [1.0] * numbers).faces
-        triangular = np.array([len(faces[edge]) == 3 for edge in own])
+        if len(own) == 4 and len(rings) == 1 and convex.all():
+            triangular = _triangles_of_four(corners)
+        else:
+            numbers = 1 + max(edge for ring in rings for edge in ring.edges)
+            faces = skeleton_of([Ring(corners, own), *rings[1:]], [1.0] * numbers).faces
+            triangular = np.array([len(faces[edge]) == 3 for edge in own])
         picked = _apart(convex & facing & triangular, slant, along)
     for limit in ACROSS if ridge is not None or len(rings) == 1 else ():
         picked = picked or _apart(convex & (slant <= limit), slant, along)
     return {outline.edges[k] for side in picked for k in sides[side]}
+
+
+def _triangles_of_four(corners: Floats) -> NDArray[np.bool_]:
+    """Whose faces of a hip roof over a convex quadrilateral are triangles: the edge that the
+    wavefront uses up first, and the one across, since a triangle is left then. All four where they
+    are used up at once.
+    """
+    along = np.roll(corners, -1, axis=0) - corners
+    length = np.sqrt(np.einsum("ij,ij->i", along, along))
+    back = -np.roll(along, 1, axis=0)
+    # the cotangent of half an angle between two vectors is (|a| |b| + a.b) / |a x b|
+    product = length * np.roll(length, 1)
+    cotangent = (product + np.einsum("ij,ij->i", along, back)) / np.abs(_cross(along, back))
+    time = length / (cotangent + np.roll(cotangent, -1))
+    first = time <= time.min() * (1 + 1e-9)
+    return np.asarray(first | np.roll(first, 2))
 
 
 def _cross(a: Floats, b: Floats) -> Floats:
