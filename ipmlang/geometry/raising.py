@@ -164,7 +164,8 @@ def _drawn_in(polygon: Solid, height: float, inset: float) -> Solid:
     if inset >= deepest * (1 - 1e-9):
         return _scaled(hip, level, height, deepest)
     low = slab(hip, 2, level, level + inset)
-    assert low is not None  # it is deeper than the inset
+    if low is None:  # so little inset is none
+        return extrude(polygon, height)
     return _scaled(low, level, height, inset)
 
 

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.geometry.booleans import Kind, boolean
 from ipmlang.geometry.solid import GeometryError, Solid, is_closed, joined
+from ipmlang.geometry.trouble import computing
 from ipmlang.runtime.assemble import Rows
 from ipmlang.runtime.joins import Joining, Met
 from ipmlang.runtime.pool import Pool
@@ -244,7 +245,8 @@ def _made(
         return None if found is None or not len(found) else pool.add(found)
 
     try:
-        return cast("Made | None", pool.derived(key, make))
+        with computing():
+            return cast("Made | None", pool.derived(key, make))
     except GeometryError as error:
         message = f"{met.where}: {error.message}"
         raise fail("bad-geometry", message, hint=error.hint) from error

@@ -8,7 +8,8 @@ scope. Children and drawings are not made here.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import chain
 
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 from ipmlang.compiler import ir
 from ipmlang.geometry.pieces import Piece
 from ipmlang.geometry.solid import GeometryError, Solid
+from ipmlang.geometry.trouble import computing
 from ipmlang.runtime import boxes
 from ipmlang.runtime.boxes import AXES, ROTATION, SIZES, State, full
 from ipmlang.runtime.code import Column
@@ -163,10 +165,8 @@ class Scoping(Copying):
         from ipmlang.geometry.areas import area_cuts
 
         solid = self.pool.local(number, size)
-        try:
+        with self._telling():
             _, begin, end = area_cuts(solid, "x", (low, length)).tolist()
-        except GeometryError as error:
-            raise self._failed(error) from error
         return begin, end - begin
 
     def _cut_boxes(
@@ -199,16 +199,24 @@ class Scoping(Copying):
         self, name: str, count: int, args: Sequence[Column], state: State, shown: Rows
     ) -> State:
         """What an operation makes of scopes and geometries; the columns that it changes."""
+        if shown is not None:
+            if not len(shown):
+                return state
+            args = [self._there(arg, shown, count) for arg in args]
         given = Given(self.program, self.pool, name, args, count)
         fast = FAST.get(name)
-        try:
+        with self._telling():
             if fast is not None:
                 made = fast(given, state)
                 if made is not None:
                     return {**state, **made}
             return self._solid(SHAPES[name], given, state, shown)
-        except GeometryError as error:
-            raise self._failed(error) from error
+
+    def _there(self, arg: Column, shown: Numbers, count: int) -> Column:
+        """An argument; rows that are not there may hold anything, and take that of one that is."""
+        if not isinstance(arg, np.ndarray) or not arg.ndim:
+            return arg
+        return np.where(self.mask(shown, count), arg, arg[shown[0]])
 
     def _solid(
         self, shape: Callable[..., Shaped], given: Given, state: State, shown: Rows
@@ -270,10 +278,8 @@ class Scoping(Copying):
         if name == "subdivide":  # so many that they must be counted before they are made
             cells = np.prod([np.maximum(full(each, count), 1.0) for each in args], axis=0)
             self.counted.copy(float((cells if shown is None else cells[shown]).sum()))
-        try:
+        with self._telling():
             made = apart(Apart(given, selectors, state, keys, shown))
-        except GeometryError as error:
-            raise self._failed(error) from error
         self.counted.copy(float(sum(len(each.owner) for each in made)))
         return made
 
@@ -329,8 +335,15 @@ class Scoping(Copying):
     # ------------------------------------------------------------------------ trouble
 
     def _tried(self, make: Callable[[], object]) -> object:
-        try:
+        with self._telling():
             return make()
+
+    @contextmanager
+    def _telling(self) -> Iterator[None]:
+        """Whatever geometry cannot be made is an error of the rule that asks for it."""
+        try:
+            with computing():
+                yield
         except GeometryError as error:
             raise self._failed(error) from error
 

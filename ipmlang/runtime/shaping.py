@@ -31,6 +31,7 @@ from ipmlang.runtime.tables import distinct
 
 Value: TypeAlias = "float | str | None"
 Flags = NDArray[np.bool_]
+LARGEST = 1e100  # of arguments: squares and cubes of it are numbers still
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,10 +64,11 @@ class Given:
         return [self._one(*each) for each in zip(self._params, values, strict=True)]
 
     def _one(self, param: Param, value: float) -> Value:
-        if not math.isfinite(value):
+        if not abs(value) < LARGEST:
             if param.optional and math.isnan(value):
                 return None
-            raise GeometryError(f"`{param.name}` of `{self.name}` is not a finite number")
+            what = "too large a number" if math.isfinite(value) else "not a finite number"
+            raise GeometryError(f"`{param.name}` of `{self.name}` is {what}")
         text = bool(param.words) or param.type == "string"
         return self.program.strings[int(value)] if text else value
 
@@ -129,21 +131,32 @@ def _quad(given: Given, state: State) -> State:
     return {"geo": float(BOX), "sz": 0.0}
 
 
-def _primitive(given: Given, state: State) -> State | None:
+def _primitive(given: Given, state: State) -> State:
+    sides = np.asarray(given.args[0] if given.args else SIDES[given.name], np.float64)
+    kinds, place = distinct(sides)
+    found = np.array([_unit_primitive(given, each) for each in kinds.tolist()], np.float64)
+    own = found[place.reshape(sides.shape)]
+    flat = {"sz": 0.0} if given.name == "disk" else {}
+    return {"geo": own if own.ndim else float(own), **flat}
+
+
+def _unit_primitive(given: Given, sides: float) -> int:
+    """The number of a primitive with so many sides."""
     from ipmlang.geometry import primitives
 
-    sides = np.ravel(given.args[0]) if given.args else np.array([SIDES[given.name]])
-    if (sides[1:] != sides[:-1]).any():
-        return None
-    count = int(sides[0])
-    key = (given.name, count)
+    if not (3 <= sides <= MOST_SIDES and sides == round(sides)):
+        raise GeometryError(
+            f"`{given.name}` cannot have {sides:g} sides",
+            f"give a whole number from 3 to {MOST_SIDES:,}",
+        )
     make: Callable[[int], Solid] = getattr(primitives, given.name)
+    key, count = (given.name, int(sides)), int(sides)
     found = given.pool.derived(key, lambda: given.pool.add(make(count))[0])
     assert isinstance(found, int)
-    flat = {"sz": 0.0} if given.name == "disk" else {}
-    return {"geo": float(found), **flat}
+    return found
 
 
+MOST_SIDES = 1000
 SIDES = {"cylinder": 24, "cone": 24, "sphere": 16, "disk": 24}
 
 
@@ -171,7 +184,7 @@ def _inserted(given: Given, state: State, asset: int) -> State:
     low, high = given.pool.asset_bounds(asset)
     natural = high - low
     fit = given.word(1) or "scope"
-    keep = bool(np.any(np.nan_to_num(np.asarray(given.args[2])) != 0)) or fit == "inside"
+    keep = np.nan_to_num(full(given.args[2], given.count)) != 0
     align = given.word(3) or ("corner" if fit == "none" else "middle")
     scope = [full(state[name], given.count) for name in SIZES]
     # an axis along which either has no extent says nothing of how much the asset is scaled
@@ -182,13 +195,12 @@ def _inserted(given: Given, state: State, asset: int) -> State:
     known = np.stack(factors)
     one = np.where(np.isnan(known), np.inf, known).min(axis=0)
     one = np.where(np.isfinite(one) & (fit != "none"), one, 1.0)
-    if keep or fit == "none":
-        sizes = [own * one for own in natural.tolist()]
-    else:
-        sizes = [
-            np.where(np.isnan(factor), own * one, size)
-            for factor, own, size in zip(factors, natural.tolist(), scope, strict=True)
-        ]
+    if fit in ("none", "inside"):
+        keep = np.ones(given.count, np.bool_)
+    sizes = [
+        np.where(keep | np.isnan(factor), own * one, size)
+        for factor, own, size in zip(factors, natural.tolist(), scope, strict=True)
+    ]
     share = SHARES[align]
     x, y, z = (
         np.where(size > 0, (size - own) * part, 0.0)
@@ -385,10 +397,6 @@ def _one_to_geometry(solid: Solid, world: Floats, *rest: Value) -> Shaped:
     return Shaped(solid, alignment(solid, str(rest[0]) if rest and rest[0] else "lowest"))
 
 
-def _one_primitive(solid: Solid, world: Floats, sides: Value) -> Shaped:
-    raise GeometryError("the number of sides must be the same for all shapes of a rule")
-
-
 WORLD = {"extrude": "z", "alignScopeToAxes": "xyz"}  # the world's axes that a body must know
 SHAPES: Mapping[str, Callable[..., Shaped]] = {
     "extrude": _one_extrude,
@@ -407,8 +415,4 @@ SHAPES: Mapping[str, Callable[..., Shaped]] = {
     "rotateScope": _one_turned,
     "alignScopeToAxes": _one_to_axes,
     "alignScopeToGeometry": _one_to_geometry,
-    "cylinder": _one_primitive,
-    "cone": _one_primitive,
-    "sphere": _one_primitive,
-    "disk": _one_primitive,
 }

@@ -62,7 +62,8 @@ def _share(
 ) -> None:
     singles = [each for each in parts if isinstance(each, Part)]
     groups = [each for each in parts if isinstance(each, Group)]
-    room = max(length - sum(_nominal(each, whole) for each in singles), 0.0)
+    taken = sum(_nominal(each, whole) for each in singles)
+    room = length - taken if length - taken > TINY * max(length, taken) else 0.0
     periods = {id(each): _nominal(each, whole) for each in groups}
     copies = {
         id(each): _copies(each, room * periods[id(each)] / (sum(periods.values()) or 1.0), whole)

@@ -60,6 +60,8 @@ def test_a_random_grammar_is_that_of_the_oracle(seed: int) -> None:
     [
         ("split x { { ~1: T | 3: T }* }", [(0.0, 2.0)]),
         ("split x { { ~0.1: T | 0.8: T }* | '0.2: T }", [(0.0, 0.8), (0.8, 0.8), (1.6, 0.4)]),
+        ("split x { 0.1: T | 0.3: T | 1.4: T | 0.2: T | { ~1: T }* }",
+         [(0.0, 0.1), (0.1, 0.3), (0.4, 1.4), (1.8, 0.2)]),
         ("repeat(i < 3) { size(0.5, 1, 1) T translate(scope.sx, 0, 0) }",
          [(0.0, 0.5), (0.5, 0.5), (1.0, 0.5)]),
         ("split x { { ~1: repeat(i < 2) { size(0.5, 1, 1) center(x) T } }* }",

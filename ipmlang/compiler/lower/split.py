@@ -167,7 +167,7 @@ class _Level:
         groups = [each for each in pieces if isinstance(each.part, ast.SplitGroup)]
         singles = [each for each in pieces if isinstance(each.part, ast.SplitPart)]
         taken = _total(code, [p.fixed for p in singles] + [p.floating for p in singles])
-        room = code.call("max", (_minus(code, length, taken), Known(0.0)))
+        room = _room(code, length, taken)
         periods = {id(each): code.call("add", (each.fixed, each.floating)) for each in groups}
         together = _total(code, periods.values())
         repeats: list[Operand | None] = []
@@ -276,6 +276,14 @@ def _overflows(piece: Piece) -> bool:
 def _over(code: Code, times: Operand, period: Operand, room: Operand) -> Operand:
     """Whether they do; by a last bit they do not."""
     return code.call("gt", (code.call("mul", (times, period)), room))
+
+
+def _room(code: Code, length: Operand, taken: Operand) -> Operand:
+    """What single parts leave for repeats: nothing where they leave only a last bit."""
+    if isinstance(taken, Known) and taken.value == 0:
+        return code.call("max", (length, Known(0.0)))
+    left = code.call("sub", (length, taken))
+    return code.call("select", (code.call("gt", (length, taken)), left, Known(0.0)))
 
 
 def _taken(code: Code, piece: Piece, times: Operand, period: Operand, room: Operand) -> Operand:
