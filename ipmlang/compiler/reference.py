@@ -160,8 +160,10 @@ def entry(record: Operation) -> str:
     if record.synonyms:
         forms += ", also " + ", ".join(f"`{name}`" for name in record.synonyms)
     lines = [f"**{forms}**{'' if record.meaning else ' *planned*'}  ", record.doc]
-    if record.defaults:
-        taken = ", ".join(f"`{name}` from `turtle {word}`" for name, word in record.defaults)
+    taken = ", ".join(
+        f"`{name}` from `turtle {word}`" for name, word in record.defaults if isinstance(word, str)
+    )
+    if taken:
         lines.append(f"Left out: {taken}.")
     labels = [f"`{each}`" for each in record.labels or () if each.isalpha()]
     if labels:

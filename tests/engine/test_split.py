@@ -234,6 +234,19 @@ def test_scope_operations_end_with_their_body() -> None:
     assert labelled(scene) == [("D", (5, 0, 0), (1, 1, 1)), ("E", (0, 0, 0), (2, 2, 2))]
 
 
+def test_the_pen_ends_with_its_body_where_there_are_scopes() -> None:
+    scene = run('A --> Red B\nRed --> color("#f00") Part\nstart A on box(1, 1, 1)\n')
+    assert [hex(color) for color in scene.instances.color.tolist()] == ["0xff0000ff", "0x0"]
+
+
+def test_a_turtle_that_carries_on_is_refused_where_it_stands() -> None:
+    with pytest.raises(ipmlang.IpmError) as caught:
+        run("A --> extrude(2) Out B\nOut --> f(2) Part\nstart A\n")
+    (found,) = caught.value.diagnostics
+    assert "`Out`" in found.message and found.source is not None
+    assert "[ Out ]" in str(found.hint)
+
+
 def test_center_and_mirror() -> None:
     scene = run("A --> size(2, 4, 1) center(xz) B\nstart A on box(10, 10, 10)\n")
     assert labelled(scene) == [("B", (4, 0, 4.5), (2, 4, 1))]

@@ -13,17 +13,24 @@ from dataclasses import replace
 from ipmlang.compiler import ir
 
 READS = frozenset({"segment", "emit", "vertex", "polygon_open", "polygon_close", "cut"})
-MOVES = frozenset(
-    {"move", "rotate", "orient", "scale", "mirror", "level", "pen", "layer", "segment"}
-)
+MOTIONS = frozenset({"move", "rotate", "orient", "scale", "mirror", "level", "segment"})
+MOVES = MOTIONS | {"pen", "layer"}
 
 
 class Analysis:
-    """The fixed points over the symbols of a program."""
+    """The fixed points over the symbols of a program. In one with scopes the pen ends with the body
+    of its rule, as scopes do. `threading`: the child that was found last to thread.
+    """
 
     def __init__(
-        self, symbols: Sequence[ir.Symbol], productions: Sequence[ir.Production], stepped: bool
+        self,
+        symbols: Sequence[ir.Symbol],
+        productions: Sequence[ir.Production],
+        stepped: bool,
+        scoped: bool = False,
     ) -> None:
+        self.threading: ir.Instruction | None = None
+        self._motions = MOTIONS if scoped else MOVES
         self._symbols = symbols
         self._productions = productions
         self._bodies = [self._own_bodies(symbol, stepped) for symbol in symbols]
@@ -49,6 +56,13 @@ class Analysis:
             or any(self._read(each.body, live=False)[0] for each in productions)
         )
 
+    def where_it_threads(self, axiom: ir.Production) -> tuple[ir.Production, ir.Instruction] | None:
+        """The first production with a child that threads, and the child."""
+        for each in (axiom, *self._productions):
+            if self._read(each.body, live=False)[0] and self.threading is not None:
+                return each, self.threading
+        return None
+
     def _own_bodies(self, symbol: ir.Symbol, stepped: bool) -> list[tuple[ir.Instruction, ...]]:
         """All that a module of a symbol may become, its meaning included where that may be left."""
         numbers = symbol.productions + symbol.interpretation
@@ -68,7 +82,7 @@ class Analysis:
     def _moves_one(self, each: ir.Instruction) -> bool:
         if each.op == "module":
             return self._moves[_number(each)] and not self._symbols[_number(each)].held
-        return each.op in MOVES or (each.op == "repeat" and self._displaces(each.body))
+        return each.op in self._motions or (each.op == "repeat" and self._displaces(each.body))
 
     def _read(self, body: Sequence[ir.Instruction], live: bool) -> tuple[bool, bool]:
         """Whether a body threads when the state is live, or not, at its end; whether it is live at
@@ -83,7 +97,8 @@ class Analysis:
             elif each.op == "open":
                 live = after.pop() or live
             elif each.op == "module":
-                threads |= self._expands(each) and self._moves[_number(each)] and live
+                if self._expands(each) and self._moves[_number(each)] and live:
+                    threads, self.threading = True, each
                 live |= self._looks(each)
             elif each.op == "repeat":
                 again = self._read(each.body, live)[1] or live

@@ -30,6 +30,7 @@ class Lowering:
 
     def __init__(self, main: Unit, units: tuple[Unit, ...]) -> None:
         self._main = main
+        self._units = units
         self._pool = Pool()
         self._tables = Tables(self._pool)
         self._attrs = settings.attributes(self._pool, units)
@@ -69,7 +70,10 @@ class Lowering:
         drawn = settings.varied(self._attrs) if scoped else ()
         made = carried(self._symbols, self._productions, first, (*self._changes, behind), drawn)
         first = made.axiom
-        found = analysis.Analysis(made.symbols, made.productions, start.steps is not None)
+        stepped = start.steps is not None
+        found = analysis.Analysis(made.symbols, made.productions, stepped, scoped)
+        if scoped:
+            self._refuse_threads(found, first, number)
         canvas, size = settings.canvas(self._pool, self._main)
         flat = not scoped and analysis.flat(made.symbols, tropism)
         residual = self._residual(flat)
@@ -276,6 +280,27 @@ class Lowering:
     def _note(self, unit: Unit, item: int, span: ast.Span, what: str, message: str) -> None:
         self._refused.setdefault(what, []).append(
             unit.diagnostic(item, span, "not-executable", message)
+        )
+
+    def _refuse_threads(self, found: analysis.Analysis, axiom: ir.Production, start: int) -> None:
+        """A program with scopes expands shape by shape: no child may move what stands behind it."""
+        threading = found.where_it_threads(axiom)
+        if threading is None:
+            return
+        production, child = threading
+        assert isinstance(child.const, int)
+        name = self._symbols[child.const].name
+        unit = next(
+            (each for each in self._units if each.source.path == production.path), self._main
+        )
+        item = start if production.symbol < 0 else production.item
+        raise unit.error(
+            item,
+            ast.Span(*child.span),
+            "not-executable",
+            f"`{name}` moves the turtle for what stands behind it, which a program with scopes "
+            "cannot do yet",
+            hint=f"put brackets around it: [ {name} ]",
         )
 
     def _raise_refused(self) -> None:

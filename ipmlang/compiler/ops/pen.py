@@ -40,7 +40,9 @@ TABLE = (
     _pen(
         "color",
         "color",
-        "Set the colour of what is drawn, outline and inside: `#rgb`, `#rrggbb` or a CSS name.",
+        "Set the colour of what is drawn, outline and inside: `#rgb`, `#rrggbb` or a CSS name. As "
+        "all of the pen, it carries on behind a rule of turtles, and ends with the rule's body in a "
+        "program with scopes.",
         ('color("#2a6f4e") F', 'color("teal") F'),
         ("color", "color(3)", 'color("#12")', 'color("gren")'),
     ),
