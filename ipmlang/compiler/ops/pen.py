@@ -41,8 +41,8 @@ TABLE = (
         "color",
         "color",
         "Set the colour of what is drawn, outline and inside: `#rgb`, `#rrggbb` or a CSS name. As "
-        "all of the pen, it carries on behind a rule of turtles, and ends with the rule's body in a "
-        "program with scopes.",
+        "all of the pen, it carries on behind a rule of turtles; in a program with scopes it ends "
+        "with the rule's body.",
         ('color("#2a6f4e") F', 'color("teal") F'),
         ("color", "color(3)", 'color("#12")', 'color("gren")'),
     ),
