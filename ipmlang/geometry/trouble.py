@@ -17,8 +17,8 @@ from ipmlang.geometry.solid import GeometryError
 
 @contextmanager
 def computing() -> Iterator[None]:
-    """A block in which overflow, a division by zero, or a topology that a library cannot work out
-    is a GeometryError.
+    """A block in which overflow, a division by zero, a topology that a library cannot work out, or
+    memory that runs out is a GeometryError.
 
     >>> with computing():
     ...     1 / 0
@@ -28,6 +28,11 @@ def computing() -> Iterator[None]:
     """
     try:
         yield
+    except MemoryError as error:
+        raise GeometryError(
+            "this geometry needs more memory than there is",
+            "a polygon of many thousands of corners may need fewer",
+        ) from error
     except Exception as error:
         if not isinstance(error, _beyond()):
             raise

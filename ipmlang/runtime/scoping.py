@@ -221,8 +221,11 @@ class Scoping(Copying):
     def _solid(
         self, shape: Callable[..., Shaped], given: Given, state: State, shown: Rows
     ) -> State:
-        """The same where geometries must be worked on."""
+        """The same where geometries must be worked on; nothing comes of nothing."""
         count = given.count
+        shown = self.some(state["geo"], count, shown)
+        if shown is not None and not len(shown):
+            return state
         world = boxes.world_axes(state, count, given.world) if given.world else np.zeros((count, 0))
         sizes = [state[name] for name in SIZES]
         kinds = table(shown, count, state["geo"], *sizes, *world.T, *given.args)
@@ -241,6 +244,9 @@ class Scoping(Copying):
         if given.turns:
             changed.update(boxes.turned(state, tuple(rows[:, 3:7].T)))
         changed.update(zip((*SIZES, "geo"), rows[:, 7:].T, strict=True))
+        if shown is not None:
+            there = self.mask(shown, count)
+            changed.update((name, np.where(there, changed[name], state[name])) for name in SIZES)
         return {**state, **changed}
 
     def center(

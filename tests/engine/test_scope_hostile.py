@@ -70,6 +70,12 @@ def test_what_is_not_there_gives_no_arguments() -> None:
     assert len(scene.instances) == 1
 
 
+def test_nothing_comes_of_nothing() -> None:
+    scene = run("split x { ~1: scatter(5) P | ~1: comp { top: P } }\n"
+                "P --> extrude(2) Q\nQ --> A", "box(4, 1, 1)")  # fmt: skip
+    assert [scene.labels[each] for each in scene.instances.label] == ["A"]
+
+
 SOLIDS = (
     "A --> extrude(3) comp { side: split x { { ~0.7: B }* } | top: roofHip(30) Roof }\n"
     "Roof --> comp { slope: C }\n"
