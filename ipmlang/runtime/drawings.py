@@ -56,7 +56,7 @@ class Chunk:
 
     def column(self, value: Values) -> Values:
         """A column's values for the rows that drew."""
-        if self.rows is None or not isinstance(value, np.ndarray):
+        if self.rows is None or not isinstance(value, np.ndarray) or not value.ndim:
             return value
         return value[self.rows]  # type: ignore[return-value]  # the same kind of array
 

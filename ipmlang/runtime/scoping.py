@@ -204,6 +204,9 @@ class Scoping(Copying):
                 return state
             args = [self._there(arg, shown, count) for arg in args]
         given = Given(self.program, self.pool, name, args, count)
+        differing = given.texts()
+        if differing:
+            return self._by_text(name, differing[0], given, state, shown)
         fast = FAST.get(name)
         with self._telling():
             if fast is not None:
@@ -211,6 +214,19 @@ class Scoping(Copying):
                 if made is not None:
                     return {**state, **made}
             return self._solid(SHAPES[name], given, state, shown)
+
+    def _by_text(self, name: str, place: int, given: Given, state: State, shown: Rows) -> State:
+        """The same where shapes give different words: one after the other."""
+        made, own = dict(state), full(given.args[place], given.count)
+        for value in distinct(own if shown is None else own[shown])[0].tolist():
+            rows = np.flatnonzero(own == value)
+            if shown is not None:
+                rows = shown[own[shown] == value]
+            args = [*given.args[:place], value, *given.args[place + 1 :]]
+            part = self.solid(name, given.count, args, state, rows)
+            mask = self.mask(rows, given.count)
+            made = {field: np.where(mask, part[field], made[field]) for field in made}
+        return made
 
     def _there(self, arg: Column, shown: Numbers, count: int) -> Column:
         """An argument; rows that are not there may hold anything, and take that of one that is."""
@@ -254,7 +270,9 @@ class Scoping(Copying):
     ) -> State:
         """Scopes moved to the middle of others, along the axes named."""
         given = Given(self.program, self.pool, "center", args, count)
-        axes = str(given.resolved([float(np.ravel(args[0])[0])])[0])
+        kinds, place = distinct(np.asarray(args[0], np.float64))
+        with self._telling():
+            words = [str(given.resolved([each])[0]) for each in kinds.tolist()]
         middles = [
             boxes.moved(each, tuple(each[name] * 0.5 for name in SIZES))  # type: ignore[arg-type]
             for each in (state, base)
@@ -264,7 +282,12 @@ class Scoping(Copying):
         scale = np.abs(state["scale"]) if "scale" in state else 1.0
         back = boxes.rotated((w, -i, -j, -k), apart)
         local = (back[0] * boxes.hand(state) / scale, back[1] / scale, back[2] / scale)
-        step = tuple(by if axis in axes else 0.0 for axis, by in zip(AXES, local, strict=True))
+        chosen = ([float(axis in word) for word in words] for axis in AXES)
+        shape = np.shape(args[0])
+        step = tuple(
+            by * (np.array(own)[place.reshape(shape)] if shape else own[0])
+            for own, by in zip(chosen, local, strict=True)
+        )
         return boxes.moved(state, step)  # type: ignore[arg-type]
 
     # ------------------------------------------------------------------------- parts

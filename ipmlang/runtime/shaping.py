@@ -70,14 +70,30 @@ class Given:
             what = "too large a number" if math.isfinite(value) else "not a finite number"
             raise GeometryError(f"`{param.name}` of `{self.name}` is {what}")
         text = bool(param.words) or param.type == "string"
-        return self.program.strings[int(value)] if text else value
+        return self._text(param, value) if text else value
+
+    def _text(self, param: Param, value: float) -> str:
+        found = self.program.strings[int(value)]
+        if param.words and found not in param.words:
+            known = ", ".join(param.words)
+            message = f"`{param.name}` of `{self.name}` cannot be `{found}`"
+            raise GeometryError(message, f"it is one of {known}")
+        return found
 
     def word(self, place: int) -> str | None:
         """A text that is the same for all shapes; None where it is not given."""
         found = np.ravel(np.asarray(self.args[place], np.float64))
         if (found[1:] != found[:-1]).any() and not np.isnan(found).all():
             raise GeometryError(f"the words of `{self.name}` must be the same for all shapes")
-        return None if np.isnan(found[0]) else self.program.strings[int(found[0])]
+        return None if np.isnan(found[0]) else self._text(self._params[place], float(found[0]))
+
+    def texts(self) -> list[int]:
+        """The places of arguments that are texts, and not the same for all shapes."""
+        return [
+            place
+            for place, (param, arg) in enumerate(zip(self._params, self.args, strict=True))
+            if (param.words or param.type == "string") and len(distinct(np.asarray(arg))[0]) > 1
+        ]
 
 
 def _params(name: str, count: int) -> tuple[Param, ...]:

@@ -65,6 +65,24 @@ def test_primitives_of_a_batch_differ() -> None:
     assert len(scene.instances) == 3 + 4 + 5 + 6
 
 
+@pytest.mark.parametrize(
+    ("name", "places"),
+    [
+        ("center", [[0, 2], [1.25, 0], [2, 2], [3, 2]]),
+        ("mirrorScope", [[0, 1], [1.5, 0], [2, 1], [3, 1]]),
+    ],
+)
+def test_words_of_a_batch_differ(name: str, places: list[list[float]]) -> None:
+    word = 'if split.index == 1 then "x" else "y"'
+    split = f"split x {{ {{ ~1: B }}* }}\nB --> size(0.5, 1, 1) {name}({word}) C"
+    assert run(split, "box(4, 5, 1)").instances.position[:, :2].tolist() == places
+
+
+def test_a_word_that_is_none_of_them_is_said() -> None:
+    with pytest.raises(ipmlang.IpmError, match="`axis` of `mirrorScope` cannot be `q`"):
+        run('mirrorScope(if scope.sx > 1 then "q" else "x") A')
+
+
 def test_what_is_not_there_gives_no_arguments() -> None:
     scene = run("split x { scope.sx - 4: cylinder(scope.sx - 4) A | ~1: A }", "box(4, 1, 1)")
     assert len(scene.instances) == 1

@@ -101,8 +101,9 @@ class Analysis:
                     threads, self.threading = True, each
                 live |= self._looks(each)
             elif each.op == "repeat":
-                again = self._read(each.body, live)[1] or live
-                inner, start = self._read(each.body, again)
+                inner, start = self._read(each.body, live)
+                if start and not live:  # a copy is followed by another one
+                    inner, start = self._read(each.body, live=True)
                 threads |= inner
                 live |= start
             elif each.op in ("slab", "pieces", "part", "join"):
