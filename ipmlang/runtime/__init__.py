@@ -45,7 +45,7 @@ def derive(
         raise fail("no-such-backend", f"there is no back end `{backend}` here", hint="use `cpu`")
     begun = time.process_time()
     if on is not None:
-        from ipmlang.runtime.ground import standing_on
+        from ipmlang.runtime.scopes.ground import standing_on
 
         program = standing_on(program, str(on))
     written = program

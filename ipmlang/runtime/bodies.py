@@ -12,17 +12,18 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from ipmlang.compiler import ir
-from ipmlang.runtime import questions, scope_bodies
 from ipmlang.runtime.algebra import Operand, Source
 from ipmlang.runtime.code import INFIX, Names, expression, source
 from ipmlang.runtime.fields import FRAME, IDENTITY, UNSET
 from ipmlang.runtime.fields import SCOPE as SCOPE_FIELDS
 from ipmlang.runtime.grouping import FIELD
-from ipmlang.runtime.marks import FIELD as MARK
-from ipmlang.runtime.marks import PHASE
 from ipmlang.runtime.motion import Motion, State
 from ipmlang.runtime.primitives import UnscannableError
+from ipmlang.runtime.queries import questions
+from ipmlang.runtime.queries.marks import FIELD as MARK
+from ipmlang.runtime.queries.marks import PHASE
 from ipmlang.runtime.scene import SCOPE, SEGMENT
+from ipmlang.runtime.scopes import scope_bodies
 
 OWN = -1  # the site of what is drawn under the shape's own key
 

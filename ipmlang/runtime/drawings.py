@@ -19,14 +19,14 @@ from ipmlang.runtime.assemble import TEXT_FIELDS, Rows
 from ipmlang.runtime.bodies import OWN
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.grouping import FIELD, Grouping
-from ipmlang.runtime.joining import with_joined
-from ipmlang.runtime.joins import FIELD as JOIN
-from ipmlang.runtime.joins import Joining
 from ipmlang.runtime.keys import Words
-from ipmlang.runtime.laying import FIELD as UV
-from ipmlang.runtime.laying import Laying
-from ipmlang.runtime.pool import Pool
 from ipmlang.runtime.scene import SCOPE, SOLID
+from ipmlang.runtime.scopes.joining import with_joined
+from ipmlang.runtime.scopes.joins import FIELD as JOIN
+from ipmlang.runtime.scopes.joins import Joining
+from ipmlang.runtime.scopes.laying import FIELD as UV
+from ipmlang.runtime.scopes.laying import Laying
+from ipmlang.runtime.scopes.pool import Pool
 
 Places = NDArray[np.int32]
 BLOCK = 1 << 16  # rows that are worked on at once

@@ -10,10 +10,10 @@ import math
 from collections.abc import Iterable, Iterator
 
 from ipmlang.compiler import ir
-from ipmlang.runtime.joins import FIELD as JOIN
-from ipmlang.runtime.laying import FIELD as UV
-from ipmlang.runtime.marks import FIELD as MARK
-from ipmlang.runtime.marks import FIRST, PHASE, asked
+from ipmlang.runtime.queries.marks import FIELD as MARK
+from ipmlang.runtime.queries.marks import FIRST, PHASE, asked
+from ipmlang.runtime.scopes.joins import FIELD as JOIN
+from ipmlang.runtime.scopes.laying import FIELD as UV
 
 TRIM = "trim"  # the number of the face that a shape came of, which `trim` asks for
 FLAT = (1.0, 0.0, 0.0, 0.0)  # heading +x, left +y, up +z

@@ -23,23 +23,23 @@ from ipmlang.runtime.choose import Choice, ShapeError, module, told
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.compiled import Compiled
 from ipmlang.runtime.drawings import Chunk
-from ipmlang.runtime.ground import first_keys, standing
 from ipmlang.runtime.grouping import Grouping
-from ipmlang.runtime.joins import Joining
 from ipmlang.runtime.keys import Words
 from ipmlang.runtime.limits import Counted, Trail
-from ipmlang.runtime.marks import FIELD as MARK
-from ipmlang.runtime.marks import PHASE, SEEN
 from ipmlang.runtime.order import Drawn, Made, Order, Record
 from ipmlang.runtime.pending import FINAL, Pending, Shapes
+from ipmlang.runtime.queries.marks import FIELD as MARK
+from ipmlang.runtime.queries.marks import PHASE, SEEN
 from ipmlang.runtime.scene import SEGMENT
+from ipmlang.runtime.scopes.ground import first_keys, standing
+from ipmlang.runtime.scopes.joins import Joining
+from ipmlang.runtime.scopes.solids import AssetSolids
+from ipmlang.runtime.scopes.trimming import Trimming
 from ipmlang.runtime.single import Single
-from ipmlang.runtime.solids import AssetSolids
-from ipmlang.runtime.trimming import Trimming
 from ipmlang.runtime.values import Batch, Bound, Scope
 
 if TYPE_CHECKING:
-    from ipmlang.runtime.occluders import Occluders
+    from ipmlang.runtime.queries.occluders import Occluders
 
 NARROW = 24  # so few shapes run one by one
 
@@ -275,7 +275,7 @@ class Frontier(Trimming):
 
     def occluders(self) -> Occluders:
         """What this derivation made, for another one to ask about."""
-        from ipmlang.runtime.occluders import Occluders
+        from ipmlang.runtime.queries.occluders import Occluders
 
         drawn: list[tuple[Mapping[str, Column], int]] = []
         for chunk in self.chunks if self.asked is not None and self.asked.drawn else ():

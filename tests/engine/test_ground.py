@@ -10,8 +10,8 @@ import pytest
 
 import ipmlang
 from ipmlang.geometry.solid import area, is_closed, placed, volume
-from ipmlang.runtime.lots import closed_paths
 from ipmlang.runtime.scene import Scene
+from ipmlang.runtime.scopes.lots import closed_paths
 
 HEAD = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 60">'
 COURT = '<path d="M 30 5 h 20 v 20 h -20 z M 35 10 h 8 v 8 h -8 z"/>'

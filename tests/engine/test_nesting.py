@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ipmlang.runtime.nesting import nesting
+from ipmlang.runtime.queries.nesting import nesting
 
 
 @given(st.lists(st.integers(-1, 30), max_size=30))

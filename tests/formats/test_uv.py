@@ -16,8 +16,8 @@ from ipmlang.runtime.export.models import mesh_scene_of, unit_cube, unit_square
 from ipmlang.runtime.export.sides import in_tiles, on_sides
 from ipmlang.runtime.export.solids import solid_mesh
 from ipmlang.runtime.export.uv import Copies, laid
-from ipmlang.runtime.laying import Laying, LayingError
 from ipmlang.runtime.scene import SCOPE, SOLID, PenStyle, Scene
+from ipmlang.runtime.scopes.laying import Laying, LayingError
 from tests.formats.built import png, scene, table
 
 PLAIN = {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0, "i": 0.0, "j": 0.0, "k": 0.0}

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipmlang.runtime.marks import LABELLED, NAMED, REPORTING, Floats, Kind, Marks, Numbers
+from ipmlang.runtime.queries.marks import LABELLED, NAMED, REPORTING, Floats, Kind, Marks, Numbers
 
 LABELS: tuple[Kind, ...] = (NAMED, LABELLED)
 REPORTS: tuple[Kind, ...] = (REPORTING,)

@@ -18,11 +18,11 @@ from ipmlang.geometry.contacts import Form, contact, distance, form_of, thin
 from ipmlang.geometry.hierarchy import Tree
 from ipmlang.geometry.oriented import Boxes, Flags
 from ipmlang.geometry.solid import Floats
-from ipmlang.runtime.boxes import ROTATION, SIZES, full, hand, rotated
 from ipmlang.runtime.code import Column
-from ipmlang.runtime.marks import FIELD, NAMED, Marks, Numbers
-from ipmlang.runtime.nesting import Nesting, nesting
-from ipmlang.runtime.pool import BOX, NOTHING, Pool
+from ipmlang.runtime.queries.marks import FIELD, NAMED, Marks, Numbers
+from ipmlang.runtime.queries.nesting import Nesting, nesting
+from ipmlang.runtime.scopes.boxes import ROTATION, SIZES, full, hand, rotated
+from ipmlang.runtime.scopes.pool import BOX, NOTHING, Pool
 
 NEIGHBOURS = 8  # of a shape, in which the nearest is looked for first
 

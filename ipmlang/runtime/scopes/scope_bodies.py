@@ -14,9 +14,9 @@ from ipmlang.compiler import ir
 from ipmlang.runtime.algebra import Operand
 from ipmlang.runtime.code import source
 from ipmlang.runtime.fields import FRAME, SCOPE, TRIM
-from ipmlang.runtime.joins import FIELD as JOIN
-from ipmlang.runtime.laying import FIELD as UV
 from ipmlang.runtime.primitives import UnscannableError
+from ipmlang.runtime.scopes.joins import FIELD as JOIN
+from ipmlang.runtime.scopes.laying import FIELD as UV
 
 if TYPE_CHECKING:
     from ipmlang.runtime.bodies import Scope, Writer

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 from ipmlang.compiler import ir
 from ipmlang.runtime.algebra import Operand
 from ipmlang.runtime.code import source
-from ipmlang.runtime.marks import ASKING, FIELD, LABELLED, REPORTING, SEEN, first_query
 from ipmlang.runtime.primitives import UnscannableError
+from ipmlang.runtime.queries.marks import ASKING, FIELD, LABELLED, REPORTING, SEEN, first_query
 
 if TYPE_CHECKING:
     from ipmlang.runtime.bodies import Scope, Writer

@@ -20,14 +20,14 @@ from ipmlang.compiler import ir
 from ipmlang.compiler.ops import OPERATIONS
 from ipmlang.compiler.ops.record import Param
 from ipmlang.geometry.solid import BOX_TAGS, Floats, GeometryError, Solid, tagged
-from ipmlang.runtime import boxes
 from ipmlang.runtime.algebra import cosine_and_sine
-from ipmlang.runtime.boxes import SIZES, State, full
 from ipmlang.runtime.code import Column
-from ipmlang.runtime.pool import BOX, Pool
 from ipmlang.runtime.primitives import unit
-from ipmlang.runtime.scope_bodies import TURNING
-from ipmlang.runtime.tables import distinct
+from ipmlang.runtime.scopes import boxes
+from ipmlang.runtime.scopes.boxes import SIZES, State, full
+from ipmlang.runtime.scopes.pool import BOX, Pool
+from ipmlang.runtime.scopes.scope_bodies import TURNING
+from ipmlang.runtime.scopes.tables import distinct
 
 Value: TypeAlias = "float | str | None"
 Flags = NDArray[np.bool_]

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ipmlang.runtime.boxes import Floats, full
 from ipmlang.runtime.code import Column
+from ipmlang.runtime.scopes.boxes import Floats, full
 
 Numbers = NDArray[np.int64]
 DIGITS = 12  # of rows that are the same

@@ -18,14 +18,14 @@ from ipmlang.runtime import keys as path
 from ipmlang.runtime.bodies import OWN
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.limits import Counted
-from ipmlang.runtime.marks import ASKING, FIELD, FIRST, NAMED, SEEN, Kind, Marks, asked
-from ipmlang.runtime.pool import Load
+from ipmlang.runtime.queries.marks import ASKING, FIELD, FIRST, NAMED, SEEN, Kind, Marks, asked
 from ipmlang.runtime.scene import SEGMENT
-from ipmlang.runtime.scoping import Keys, Rows, Scoping
+from ipmlang.runtime.scopes.pool import Load
+from ipmlang.runtime.scopes.scoping import Keys, Rows, Scoping
 
 if TYPE_CHECKING:
-    from ipmlang.runtime.occluders import Occluders
-    from ipmlang.runtime.totals import Totals
+    from ipmlang.runtime.queries.occluders import Occluders
+    from ipmlang.runtime.queries.totals import Totals
 
 
 class Asking(Scoping):
@@ -93,7 +93,7 @@ class Asking(Scoping):
         none = np.full(len(rows), -1.0)
         label = (columns[0] if columns else none).astype(np.int64)
         if self.answers is not None and name in OCCLUSION:
-            from ipmlang.runtime.occluders import scopes_of
+            from ipmlang.runtime.queries.occluders import scopes_of
 
             asking = scopes_of(state, count, shown, self.pool)
             own = self.answers.answer(name, label, asking, marks, self.marks)
@@ -108,7 +108,7 @@ class Asking(Scoping):
         return found
 
     def _before(self) -> Totals:
-        from ipmlang.runtime.totals import Totals
+        from ipmlang.runtime.queries.totals import Totals
 
         if self._totals is None:
             self._totals = Totals(self.marks, self.phase)
@@ -138,7 +138,7 @@ class Asking(Scoping):
         """The scope of what is drawn: an asset brings its own."""
         if asset < 0:
             return state
-        from ipmlang.runtime.boxes import SIZES, moved
+        from ipmlang.runtime.scopes.boxes import SIZES, moved
 
         low, high = self.pool.asset_bounds(asset)
         place = moved(state, (float(low[0]), float(low[1]), float(low[2])))

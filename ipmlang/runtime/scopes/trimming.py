@@ -18,19 +18,19 @@ from ipmlang.compiler import ir
 from ipmlang.geometry.mitres import Edges, mitres
 from ipmlang.geometry.slabs import trim
 from ipmlang.geometry.solid import Solid, normals, rings_of
-from ipmlang.runtime import boxes
-from ipmlang.runtime.asking import Asking
-from ipmlang.runtime.boxes import SIZES, State, full
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.fields import TRIM
 from ipmlang.runtime.limits import Counted
-from ipmlang.runtime.pieces import Batched
-from ipmlang.runtime.pool import NOTHING, Load, Pool
-from ipmlang.runtime.scoping import Keys, Rows
-from ipmlang.runtime.shaping import Given
+from ipmlang.runtime.queries.asking import Asking
+from ipmlang.runtime.scopes import boxes
+from ipmlang.runtime.scopes.boxes import SIZES, State, full
+from ipmlang.runtime.scopes.pieces import Batched
+from ipmlang.runtime.scopes.pool import NOTHING, Load, Pool
+from ipmlang.runtime.scopes.scoping import Keys, Rows
+from ipmlang.runtime.scopes.shaping import Given
 
 if TYPE_CHECKING:
-    from ipmlang.runtime.occluders import Occluders
+    from ipmlang.runtime.queries.occluders import Occluders
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]

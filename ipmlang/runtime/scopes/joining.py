@@ -19,9 +19,9 @@ from ipmlang.geometry.booleans import Kind, boolean
 from ipmlang.geometry.solid import GeometryError, Solid, is_closed, joined
 from ipmlang.geometry.trouble import computing
 from ipmlang.runtime.assemble import Rows
-from ipmlang.runtime.joins import Joining, Met
-from ipmlang.runtime.pool import Pool
 from ipmlang.runtime.scene import SCOPE, SEGMENT
+from ipmlang.runtime.scopes.joins import Joining, Met
+from ipmlang.runtime.scopes.pool import Pool
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -336,6 +336,6 @@ def _replaced(rows: Rows, part: NDArray[np.int32], made: Members, pool: Pool) ->
 
 
 def _quaternions(rotation: Floats) -> Floats:
-    from ipmlang.runtime.boxes import quaternion
+    from ipmlang.runtime.scopes.boxes import quaternion
 
     return quaternion(rotation.transpose(0, 2, 1))

@@ -16,14 +16,15 @@ from numpy.typing import NDArray
 from ipmlang.compiler import ir
 from ipmlang.geometry.pieces import Piece
 from ipmlang.geometry.solid import Floats, GeometryError, Solid
-from ipmlang.runtime import boxes, keys
-from ipmlang.runtime.boxes import FACE_QUATERNIONS, FACES, FLAT_FACE, SIZES, State
+from ipmlang.runtime import keys
 from ipmlang.runtime.code import Column
-from ipmlang.runtime.framing import Framed, framed, joined
 from ipmlang.runtime.keys import Words
-from ipmlang.runtime.pool import BOX, NOTHING
-from ipmlang.runtime.shaping import Given, Value
-from ipmlang.runtime.tables import Table, distinct, table
+from ipmlang.runtime.scopes import boxes
+from ipmlang.runtime.scopes.boxes import FACE_QUATERNIONS, FACES, FLAT_FACE, SIZES, State
+from ipmlang.runtime.scopes.framing import Framed, framed, joined
+from ipmlang.runtime.scopes.pool import BOX, NOTHING
+from ipmlang.runtime.scopes.shaping import Given, Value
+from ipmlang.runtime.scopes.tables import Table, distinct, table
 
 Numbers = NDArray[np.int64]
 

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from ipmlang.geometry.pieces import Piece
 from ipmlang.geometry.solid import Floats
-from ipmlang.runtime import boxes
-from ipmlang.runtime.pool import SNAP, Pool
+from ipmlang.runtime.scopes import boxes
+from ipmlang.runtime.scopes.pool import SNAP, Pool
 
 OWN = np.eye(3)
 _FOUR = np.arange(4)

@@ -20,18 +20,18 @@ from ipmlang.compiler import ir
 from ipmlang.geometry.pieces import Piece
 from ipmlang.geometry.solid import GeometryError, Solid
 from ipmlang.geometry.trouble import computing
-from ipmlang.runtime import boxes
-from ipmlang.runtime.boxes import AXES, ROTATION, SIZES, State, full
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.copying import Copying, Numbers
-from ipmlang.runtime.framing import framed
 from ipmlang.runtime.keys import Words
-from ipmlang.runtime.laying import READY, SETUP, Laying, LayingError
 from ipmlang.runtime.limits import Counted
-from ipmlang.runtime.pieces import Apart, Batched, apart
-from ipmlang.runtime.pool import BOX, NOTHING, SNAP, Load, Pool
-from ipmlang.runtime.shaping import FAST, SHAPES, Given, Shaped
-from ipmlang.runtime.tables import distinct, table
+from ipmlang.runtime.scopes import boxes
+from ipmlang.runtime.scopes.boxes import AXES, ROTATION, SIZES, State, full
+from ipmlang.runtime.scopes.framing import framed
+from ipmlang.runtime.scopes.laying import READY, SETUP, Laying, LayingError
+from ipmlang.runtime.scopes.pieces import Apart, Batched, apart
+from ipmlang.runtime.scopes.pool import BOX, NOTHING, SNAP, Load, Pool
+from ipmlang.runtime.scopes.shaping import FAST, SHAPES, Given, Shaped
+from ipmlang.runtime.scopes.tables import distinct, table
 
 Floats = NDArray[np.float64]
 Rows = Numbers | None  # of a batch that are there; None: all

@@ -23,9 +23,9 @@ from ipmlang.geometry.pieces import Piece
 from ipmlang.geometry.solid import Floats, GeometryError, Solid, normals, ring_points
 from ipmlang.runtime import keys
 from ipmlang.runtime.bind import evaluated
-from ipmlang.runtime.framing import framed
-from ipmlang.runtime.lots import Lot, closed_paths
-from ipmlang.runtime.pool import BOX, NOTHING, Pool
+from ipmlang.runtime.scopes.framing import framed
+from ipmlang.runtime.scopes.lots import Lot, closed_paths
+from ipmlang.runtime.scopes.pool import BOX, NOTHING, Pool
 
 Numbers = NDArray[np.int64]
 
