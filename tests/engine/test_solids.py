@@ -158,3 +158,14 @@ def test_what_cannot_be_made_names_the_rule(text: str, said: str) -> None:
 def test_a_hip_roof_has_the_height_that_its_slope_says() -> None:
     scene = run(f"A --> roofHip(40) B\nstart A {BOX}\n")
     assert scene.instances.size[0] == pytest.approx((8, 11, 4 * math.tan(math.radians(40))))
+
+
+def test_a_polygon_that_is_given_a_height_is_a_prism() -> None:
+    ground = "on polygon [(0, 0), (4, 0), (0, 4)]"
+    scene = run(f"A --> size(scope.sx, scope.sy, 0.5) B\nstart A {ground}\n")
+    (prism,) = solids(scene)
+    assert is_closed(prism) and volume(prism) == pytest.approx(4)
+    scene = run(f"A --> size(scope.sx, scope.sy, 0) B\nstart A {ground}\n")
+    assert area(solids(scene)[0]) == pytest.approx(8)
+    scene = run(f"A --> size(2, 2, 3) split z {{ 1: B | ~1: C }}\nstart A {ground}\n")
+    assert [volume(each) for each in solids(scene)] == pytest.approx([2, 4])

@@ -20,10 +20,12 @@ RECT = b'<rect width="5" height="5"/>'
 @pytest.fixture(autouse=True)
 def bounded() -> Iterator[None]:
     """No test here may burn more than a few seconds of CPU or grow past a gigabyte."""
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     start = time.process_time()
     yield
     assert time.process_time() - start < 10
-    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < 1_500_000
+    after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    assert after < 1_500_000 or after == before  # in KiB; tests before this one count, too
 
 
 def notes(data: bytes) -> dict[str, int]:

@@ -305,6 +305,8 @@ def test_an_image_that_goes_away_is_an_error(tmp_path: Path) -> None:
 )  # fmt: skip
 def test_real_models_keep_their_images(name: str, data: Path, tmp_path: Path) -> None:
     """Read, written as OBJ, read again: the same images on as many faces."""
+    if name == "chess_board.glb":
+        pytest.importorskip("DracoPy", reason="this model is packed by Draco")
     scene = read_meshes(data / "mesh" / name)
     images = [m.texture for mesh in scene.meshes for m in mesh.materials if m.texture]
     assert images

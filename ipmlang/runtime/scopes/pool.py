@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ipmlang.geometry.solid import (
     Floats,
     Solid,
+    area_vectors,
     bounds,
     placed,
     tagged,
@@ -27,7 +28,7 @@ from ipmlang.runtime.scene import SCOPE, SOLID
 NOTHING, BOX = 0, 1  # numbers that are always the same: no geometry, and all of the scope
 SNAP = 1e-9  # of a geometry's size: extents below are none, corners this near are the scope's
 
-Columns = tuple[NDArray[np.bool_], NDArray[np.int32], NDArray[np.bool_]]
+Columns = tuple[NDArray[np.bool_], NDArray[np.int32], NDArray[np.bool_], NDArray[np.bool_]]
 Load = Callable[[int], Solid]
 
 
@@ -54,6 +55,11 @@ class Pool:
     def are_tagged(self, numbers: float | Floats) -> NDArray[np.bool_]:
         """Which geometries are boxes whose faces bear tags of their own, () or (n,)."""
         found: NDArray[np.bool_] = self._tables()[2][np.asarray(numbers).astype(np.int64)]
+        return found
+
+    def are_flat(self, numbers: float | Floats) -> NDArray[np.bool_]:
+        """Which geometries are polygons across z that do not fill their scope, () or (n,)."""
+        found: NDArray[np.bool_] = self._tables()[3][np.asarray(numbers).astype(np.int64)]
         return found
 
     @property
@@ -197,7 +203,7 @@ class Pool:
 
     def _tables(self) -> Columns:
         """Of each geometry whether it fills its scope, what it is drawn as, whether it is a box
-        whose faces bear tags.
+        whose faces bear tags, whether it is a polygon across z.
         """
         if self._columns is None:
             tagged = [
@@ -205,8 +211,19 @@ class Pool:
                 for box, solid in zip(self._boxes, self._solids, strict=True)
             ]
             kinds = np.array(self._kinds, np.int32)
-            self._columns = (np.array(self._boxes), kinds, np.array(tagged))
+            flat = [
+                not box and solid is not None and _is_across(solid)
+                for box, solid in zip(self._boxes, self._solids, strict=True)
+            ]
+            self._columns = (np.array(self._boxes), kinds, np.array(tagged), np.array(flat))
         return self._columns
+
+
+def _is_across(solid: Solid) -> bool:
+    """Whether all faces lie across z and look up."""
+    if not len(solid) or solid.vertices[:, 2].any():
+        return False
+    return bool((area_vectors(solid)[:, 2] > 0).all())
 
 
 def _rectangle(flat: int) -> Solid:

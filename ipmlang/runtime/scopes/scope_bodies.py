@@ -54,7 +54,11 @@ def shaped(
     if each.op == "resize":
         sizes = (writer.source.let(f"run.extent({source(arg)})") for arg in args)
         writer.unknown -= {"sx", "sy", "sz"}
-        return {**state, **dict(zip(("sx", "sy", "sz"), sizes, strict=True))}
+        own = {**state, **dict(zip(("sx", "sy", "sz"), sizes, strict=True))}
+        if writer.quiet:
+            return own
+        parts = f"{source(own['sz'])}, {source(state['geo'])}, {scope.count}"
+        return {**own, "geo": writer.source.let(f"run.risen({parts})")}
     if writer.quiet:
         if each.op == "solid" and each.const not in KEEPING:
             writer.unknown.update(SCOPE)

@@ -86,6 +86,31 @@ class Scoping(Copying):
             raise self.counted.error("negative-size", "`size` needs extents of 0 or more")
         return value
 
+    def risen(self, height: Column, geometry: Column, count: int) -> Column:
+        """The geometries of scopes that have a height: a polygon that is given one is its prism, as
+        a rectangle is a box.
+        """
+        if not np.any(height) or not np.any(self.pool.are_flat(geometry)):
+            return geometry
+        numbers = full(geometry, count)
+        up = (full(height, count) > 0) & self.pool.are_flat(numbers)
+        kinds, place = distinct(numbers)
+        prisms = np.array([self._prism(int(number)) for number in kinds.tolist()], np.float64)
+        return np.where(up, prisms[place], numbers)
+
+    def _prism(self, number: int) -> int:
+        if not self.pool.are_flat(float(number)):
+            return number
+
+        def make() -> int:
+            from ipmlang.geometry.raising import extrude
+
+            return self.pool.add(extrude(self.pool.unit(number, 2), 1.0))[0]
+
+        found = self.pool.derived(("prism", number), lambda: self._tried(make))
+        assert isinstance(found, int)
+        return found
+
     # -------------------------------------------------------------------------- slabs
 
     def slab(
@@ -307,6 +332,9 @@ class Scoping(Copying):
         if name == "subdivide":  # so many that they must be counted before they are made
             cells = np.prod([np.maximum(full(each, count), 1.0) for each in args], axis=0)
             self.counted.copy(float((cells if shown is None else cells[shown]).sum()))
+        if name == "scatter":
+            points = np.maximum(np.nan_to_num(full(args[0], count)), 0.0)
+            self.counted.copy(float((points if shown is None else points[shown]).sum()))
         with self._telling():
             made = apart(Apart(given, selectors, state, keys, shown))
         self.counted.copy(float(sum(len(each.owner) for each in made)))
