@@ -24,11 +24,12 @@ from ipmlang.geometry.solid import (
     unit_square,
 )
 from ipmlang.runtime.scene import SCOPE, SOLID
+from ipmlang.runtime.scopes.tables import distinct
 
 NOTHING, BOX = 0, 1  # numbers that are always the same: no geometry, and all of the scope
 SNAP = 1e-9  # of a geometry's size: extents below are none, corners this near are the scope's
 
-Columns = tuple[NDArray[np.bool_], NDArray[np.int32], NDArray[np.bool_], NDArray[np.bool_]]
+Columns = tuple[NDArray[np.bool_], NDArray[np.int32], NDArray[np.bool_]]
 Load = Callable[[int], Solid]
 
 
@@ -41,6 +42,7 @@ class Pool:
         self._numbers: dict[object, int] = {}
         self._kinds: list[int] = [SCOPE, SCOPE]
         self._boxes: list[bool] = [False, True]
+        self._flat: dict[int, bool] = {}
         self._derived: dict[object, object] = {}
         self._bounds: dict[int, tuple[Floats, Floats]] = {}
         self._columns: Columns | None = None
@@ -59,8 +61,15 @@ class Pool:
 
     def are_flat(self, numbers: float | Floats) -> NDArray[np.bool_]:
         """Which geometries are polygons across z that do not fill their scope, () or (n,)."""
-        found: NDArray[np.bool_] = self._tables()[3][np.asarray(numbers).astype(np.int64)]
-        return found
+        kinds, place = distinct(np.asarray(numbers))
+        flat = np.array([self._is_flat(int(number)) for number in kinds.tolist()], np.bool_)
+        return flat[place].reshape(np.shape(numbers))
+
+    def _is_flat(self, number: int) -> bool:
+        if number not in self._flat:
+            solid = self._solids[number]
+            self._flat[number] = not self._boxes[number] and solid is not None and _is_across(solid)
+        return self._flat[number]
 
     @property
     def only_boxes(self) -> bool:
@@ -203,7 +212,7 @@ class Pool:
 
     def _tables(self) -> Columns:
         """Of each geometry whether it fills its scope, what it is drawn as, whether it is a box
-        whose faces bear tags, whether it is a polygon across z.
+        whose faces bear tags.
         """
         if self._columns is None:
             tagged = [
@@ -211,11 +220,7 @@ class Pool:
                 for box, solid in zip(self._boxes, self._solids, strict=True)
             ]
             kinds = np.array(self._kinds, np.int32)
-            flat = [
-                not box and solid is not None and _is_across(solid)
-                for box, solid in zip(self._boxes, self._solids, strict=True)
-            ]
-            self._columns = (np.array(self._boxes), kinds, np.array(tagged), np.array(flat))
+            self._columns = (np.array(self._boxes), kinds, np.array(tagged))
         return self._columns
 
 
