@@ -24,7 +24,7 @@ SOLID = -4  # `asset` of a terminal with geometry: `shape` indexes Scene.solids
 
 @dataclass(frozen=True, slots=True)
 class AssetRef:
-    """A named piece of geometry in a file: `picket`, /work/fence.parts.svg, id `picket` (None: the
+    """A named piece of geometry in a file: `picket`, fences/fence.parts.svg, id `picket` (None: the
     whole file).
     """
 
