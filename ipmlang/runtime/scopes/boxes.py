@@ -7,10 +7,12 @@ a façade of a million tiles cheap: as long as a shape is a box or a rectangle, 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ipmlang.runtime import scan
 from ipmlang.runtime.code import Column
 
 Floats = NDArray[np.float64]
@@ -103,29 +105,17 @@ def moved(state: Mapping[str, Column], step: tuple[Column, Column, Column]) -> S
 
 
 def rotated(rotation: tuple[Column, ...], vector: tuple[Column, ...]) -> tuple[Column, ...]:
-    """Vectors turned by unit quaternions."""
-    w, i, j, k = rotation
-    x, y, z = vector
-    # v + 2 w (q x v) + 2 q x (q x v)
-    a, b, c = 2 * (j * z - k * y), 2 * (k * x - i * z), 2 * (i * y - j * x)
-    return (
-        x + w * a + (j * c - k * b),
-        y + w * b + (k * a - i * c),
-        z + w * c + (i * b - j * a),
-    )
+    """Vectors turned by unit quaternions; each part may be one number for all."""
+    return scan.turned(cast("scan.Columns", rotation), cast("scan.Columns", vector))
 
 
 def turned(state: Mapping[str, Column], by: tuple[Column, ...]) -> State:
     """The rotations after a turn in the local frame; a mirrored frame turns the other way."""
     side = hand(state)
-    bw, bx, by_, bz = by[0], by[1], by[2] * side, by[3] * side
-    aw, ax, ay, az = (state[axis] for axis in ROTATION)
-    return {
-        "w": aw * bw - ax * bx - ay * by_ - az * bz,
-        "i": aw * bx + ax * bw + ay * bz - az * by_,
-        "j": aw * by_ - ax * bz + ay * bw + az * bx,
-        "k": aw * bz + ax * by_ - ay * bx + az * bw,
-    }
+    own = tuple(state[axis] for axis in ROTATION)
+    local = (by[0], by[1], by[2] * side, by[3] * side)
+    found = scan.quaternion_product(cast("scan.Columns", own), cast("scan.Columns", local))
+    return dict(zip(ROTATION, found, strict=True))
 
 
 def mirrored(state: Mapping[str, Column], axis: int) -> State:

@@ -55,6 +55,19 @@ class Batched:
     state: State
 
 
+def _cell_total(given: Given) -> Floats:
+    sides = [np.maximum(boxes.full(each, given.count), 1.0) for each in given.args]
+    return np.asarray(np.prod(sides, axis=0))
+
+
+def _point_total(given: Given) -> Floats:
+    return np.maximum(np.nan_to_num(boxes.full(given.args[0], given.count)), 0.0)
+
+
+# operations that may make very many pieces: how many each row will (n,), before they are made
+AHEAD: Mapping[str, Callable[[Given], Floats]] = {"subdivide": _cell_total, "scatter": _point_total}
+
+
 def apart(use: Apart) -> list[Batched]:
     """The pieces that each selector takes."""
     given = use.given
@@ -152,14 +165,8 @@ def _boxes_apart(use: Apart) -> list[Batched]:
     made = []
     for place in range(len(use.selectors)):
         many = np.array([len(each[place][0]) for each in chosen], np.int64)
-        own = many[kind]
-        counts = np.zeros(count, np.int64)
-        counts[rows] = own
-        owner = np.repeat(np.arange(len(rows)), own)
-        begins = np.cumsum(own) - own
-        index = np.arange(len(owner)) - begins[owner]
-        starts = np.cumsum(many) - many
-        at = starts[kind[owner]] + index
+        owner, index = _dealt(many[kind])
+        at = (np.cumsum(many) - many)[kind[owner]] + index
         faces = np.array([face for each in chosen for face in each[place][0]], np.int64)[at]
         tagged = np.array([tag for each in chosen for tag in each[place][1]], np.float64)
         state = _face_state(use, rows[owner], sizes[owner], faces)
@@ -167,10 +174,24 @@ def _boxes_apart(use: Apart) -> list[Batched]:
         if len(tagged) and not (tagged == BOX).all():
             geometry = tagged[at]
         state["geo"] = geometry
-        made.append(
-            Batched(counts, rows[owner], index.astype(np.uint32), own[owner].astype(float), state)
-        )
+        made.append(_batched(count, rows, many[kind], owner, index, state))
     return made
+
+
+def _dealt(per_row: Numbers) -> tuple[Numbers, Numbers]:
+    """Of so many pieces a row (n,): the row of each piece (m,), and its number there."""
+    owner = np.repeat(np.arange(len(per_row)), per_row)
+    return owner, np.arange(len(owner)) - (np.cumsum(per_row) - per_row)[owner]
+
+
+def _batched(
+    count: int, rows: Numbers, per_row: Numbers, owner: Numbers, index: Numbers, state: State
+) -> Batched:
+    """The pieces of one part, dealt to the rows that are there."""
+    counts = np.zeros(count, np.int64)
+    counts[rows] = per_row
+    many = per_row[owner].astype(float)
+    return Batched(counts, rows[owner], index.astype(np.uint32), many, state)
 
 
 def _faces_taken(use: Apart, code: int) -> list[tuple[list[int], list[int]]]:
@@ -230,19 +251,12 @@ def _spread(
         many = np.array([len(each) for each in own], np.int64)
         flat = np.concatenate([np.zeros(0, np.int64), *own])
         per_row = many[kinds.kind] if len(rows) else np.zeros(0, np.int64)
-        counts = np.zeros(count, np.int64)
-        counts[rows] = per_row
-        owner = np.repeat(np.arange(len(rows)), per_row)
-        index = np.arange(len(owner)) - (np.cumsum(per_row) - per_row)[owner]
+        owner, index = _dealt(per_row)
         at = flat[(np.cumsum(many) - many)[kinds.kind[owner]] + index]
         state = _piece_state(
             use, rows[owner], found.corner[at], found.turn[at], found.size[at], found.geometry[at]
         )
-        made.append(
-            Batched(
-                counts, rows[owner], index.astype(np.uint32), per_row[owner].astype(float), state
-            )
-        )
+        made.append(_batched(count, rows, per_row, owner, index, state))
     return made
 
 
@@ -300,9 +314,9 @@ def _draws(use: Apart, rows: Numbers, counts: Numbers) -> Floats:
     """Three draws for each point (p, 3), under the keys of the shapes."""
     k0, k1, site, copies = use.keys
     base = keys.child(k0[rows], k1[rows], site, *(each[rows] for each in copies))
-    first, second = (np.repeat(word, counts) for word in base)
-    before = np.repeat(np.cumsum(counts) - counts, counts)
-    steps = (np.arange(len(first)) - before).astype(np.uint32)
+    owner, index = _dealt(counts)
+    first, second = (word[owner] for word in base)
+    steps = index.astype(np.uint32)
     return np.stack([keys.uniform(first, second, axis, steps) for axis in range(3)], axis=1)
 
 

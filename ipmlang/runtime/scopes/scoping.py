@@ -28,7 +28,7 @@ from ipmlang.runtime.scopes import boxes
 from ipmlang.runtime.scopes.boxes import AXES, ROTATION, SIZES, State, full
 from ipmlang.runtime.scopes.framing import framed
 from ipmlang.runtime.scopes.laying import READY, SETUP, Laying, LayingError
-from ipmlang.runtime.scopes.pieces import Apart, Batched, apart
+from ipmlang.runtime.scopes.pieces import AHEAD, Apart, Batched, apart
 from ipmlang.runtime.scopes.pool import BOX, NOTHING, SNAP, Load, Pool
 from ipmlang.runtime.scopes.shaping import FAST, SHAPES, Given, Shaped
 from ipmlang.runtime.scopes.tables import distinct, table
@@ -329,12 +329,9 @@ class Scoping(Copying):
     ) -> list[Batched]:
         """The parts that an operation makes, in a batch for each selector."""
         given = Given(self.program, self.pool, name, args, count)
-        if name == "subdivide":  # so many that they must be counted before they are made
-            cells = np.prod([np.maximum(full(each, count), 1.0) for each in args], axis=0)
-            self.counted.copy(float((cells if shown is None else cells[shown]).sum()))
-        if name == "scatter":
-            points = np.maximum(np.nan_to_num(full(args[0], count)), 0.0)
-            self.counted.copy(float((points if shown is None else points[shown]).sum()))
+        if name in AHEAD:
+            many = AHEAD[name](given)
+            self.counted.copy(float((many if shown is None else many[shown]).sum()))
         with self._telling():
             made = apart(Apart(given, selectors, state, keys, shown))
         self.counted.copy(float(sum(len(each.owner) for each in made)))
