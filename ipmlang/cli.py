@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ipmlang import options
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail
 from ipmlang.edit_commands import edit
 from ipmlang.infer_command import infer_file
@@ -105,13 +106,7 @@ commands.add_command(render_file)
     help="the number all randomness comes from; without one it is 0, and the choices that a "
     "grammar brings along are replayed",
 )
-@click.option(
-    "--set",
-    "settings",
-    multiple=True,
-    metavar="NAME=VALUE",
-    help="give an attribute a value; may be repeated",
-)
+@options.SET
 @click.option(
     "--on",
     metavar="FILE",
@@ -124,16 +119,10 @@ commands.add_command(render_file)
     show_default=True,
     help="what derives the grammar",
 )
-@click.option(
-    "--limit",
-    "limits",
-    multiple=True,
-    metavar="KIND=NUMBER",
-    help="stop at so many shapes, steps, depth or bytes of memory",
-)
-@click.option("--allow-outside", is_flag=True, help="let assets lie outside the grammar's folder")
+@options.LIMIT
+@options.ALLOW_OUTSIDE
 @click.option("--instancing", is_flag=True, help="write glb instances with EXT_mesh_gpu_instancing")
-@click.option("--json", "as_json", is_flag=True, help="print one JSON object")
+@options.JSON
 def run(
     file: Path,
     output: Path,
@@ -188,8 +177,8 @@ def run(
 
 @commands.command()
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path, readable=False))
-@click.option("--allow-outside", is_flag=True, help="let assets lie outside the grammar's folder")
-@click.option("--json", "as_json", is_flag=True, help="print one JSON object")
+@options.ALLOW_OUTSIDE
+@options.JSON
 def check(files: tuple[Path, ...], allow_outside: bool, as_json: bool) -> None:
     """Report every error of each grammar in FILES.
 
@@ -223,7 +212,7 @@ def check(files: tuple[Path, ...], allow_outside: bool, as_json: bool) -> None:
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path, readable=False))
 @click.option("--check", "only_check", is_flag=True, help="change nothing; exit 1 if it would")
 @click.option("--stdout", is_flag=True, help="print the result instead of rewriting the file")
-@click.option("--json", "as_json", is_flag=True, help="print one JSON object")
+@options.JSON
 def fmt(files: tuple[Path, ...], only_check: bool, stdout: bool, as_json: bool) -> None:
     """Lay out the grammars in FILES in the one way of the language; comments are kept.
 

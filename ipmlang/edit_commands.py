@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import click
 
+from ipmlang import options as shared
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.telling import findings_record, show, working
 
@@ -45,10 +46,8 @@ def edits(command: Command) -> Command:
             type=click.Path(path_type=Path),
             help="the grammar to write, .ipm; without it the text is printed",
         ),
-        click.option(
-            "--allow-outside", is_flag=True, help="let assets lie outside the grammar's folder"
-        ),
-        click.option("--json", "as_json", is_flag=True, help="print one JSON object"),
+        shared.ALLOW_OUTSIDE,
+        shared.JSON,
     )
     for option in reversed(options):
         command = option(command)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import click
 
+from ipmlang import options
 from ipmlang.telling import working
 
 if TYPE_CHECKING:
@@ -78,7 +79,7 @@ def weight_options(command: Command) -> Command:
 )
 @click.option("--paper", is_flag=True, help="print rules for pairs that do not pay, too")
 @click.option("--explain", is_flag=True, help="tell what won in each round of the search, and why")
-@click.option("--json", "as_json", is_flag=True, help="print one JSON object")
+@options.JSON
 def infer_file(
     file: Path,
     output: Path | None,

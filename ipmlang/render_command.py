@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ipmlang import options
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.telling import show, working
 
@@ -61,22 +62,10 @@ if TYPE_CHECKING:
     help="which axis points up in an obj, ply or stl file",
 )
 @click.option("--seed", type=click.IntRange(0, 2**64 - 1), help="the seed of a grammar")
-@click.option(
-    "--set",
-    "settings",
-    multiple=True,
-    metavar="NAME=VALUE",
-    help="give an attribute a value; may be repeated",
-)
-@click.option(
-    "--limit",
-    "limits",
-    multiple=True,
-    metavar="KIND=NUMBER",
-    help="stop at so many shapes, steps, depth or bytes of memory",
-)
-@click.option("--allow-outside", is_flag=True, help="let assets lie outside the grammar's folder")
-@click.option("--json", "as_json", is_flag=True, help="print one JSON object")
+@options.SET
+@options.LIMIT
+@options.ALLOW_OUTSIDE
+@options.JSON
 def render_file(
     file: Path,
     output: Path,

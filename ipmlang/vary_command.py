@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ipmlang import options
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail
 from ipmlang.telling import findings_record, show, working
 
@@ -59,8 +60,8 @@ CAPTION = 6  # lines under a variation
     metavar="KIND=NUMBER",
     help="stop a variation at so many shapes, steps, depth or bytes of memory",
 )
-@click.option("--allow-outside", is_flag=True, help="let assets lie outside the grammar's folder")
-@click.option("--json", "as_json", is_flag=True, help="print one JSON object")
+@options.ALLOW_OUTSIDE
+@options.JSON
 def vary_file(
     file: Path,
     count: int,
