@@ -1,0 +1,161 @@
+"""Placements in space as columns: position, turn, handedness and scale, one row a copy.
+
+A frame maps a symbol's own coordinates to those around it as the language does: local x is
+mirrored where the hand is -1, then everything is scaled, turned and moved. Nothing here knows what
+is placed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats: TypeAlias = NDArray[np.float64]
+Integers: TypeAlias = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Frames:
+    """n placements: around = position + scale * R(rotation) * diag(hand, 1, 1) * own.
+
+    position (n, 3); rotation (n, 4) unit quaternions w, x, y, z, w >= 0; hand (n,) 1.0 or -1.0;
+    scale (n,) > 0.
+    """
+
+    position: Floats
+    rotation: Floats
+    hand: Floats
+    scale: Floats
+
+    def __len__(self) -> int:
+        return len(self.hand)
+
+    def __getitem__(self, rows: Integers | NDArray[np.bool_] | slice) -> Frames:
+        return Frames(self.position[rows], self.rotation[rows], self.hand[rows], self.scale[rows])
+
+
+def identity(count: int = 1) -> Frames:
+    """Everything where it is."""
+    turn = np.tile([1.0, 0.0, 0.0, 0.0], (count, 1))
+    return Frames(np.zeros((count, 3)), turn, np.ones(count), np.ones(count))
+
+
+def moved_to(position: Floats) -> Frames:
+    """Plain translations to (n, 3)."""
+    position = np.asarray(position, np.float64).reshape(-1, 3)
+    return Frames(position, *_rest(identity(len(position))))
+
+
+def _rest(frames: Frames) -> tuple[Floats, Floats, Floats]:
+    return frames.rotation, frames.hand, frames.scale
+
+
+def join(parts: Sequence[Frames]) -> Frames:
+    """The rows of all, one after the other."""
+    if not parts:
+        return identity(0)
+    return Frames(
+        np.concatenate([part.position for part in parts]),
+        np.concatenate([part.rotation for part in parts]),
+        np.concatenate([part.hand for part in parts]),
+        np.concatenate([part.scale for part in parts]),
+    )
+
+
+def linear(frames: Frames) -> Floats:
+    """(n, 3, 3) what frames do to directions."""
+    w, x, y, z = frames.rotation.T
+    rows = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+    turned = np.moveaxis(rows, -1, 0) * frames.scale[:, None, None]
+    turned[:, :, 0] *= frames.hand[:, None]
+    return turned
+
+
+def matrices(frames: Frames) -> Floats:
+    """(n, 3, 4) the same maps as matrices."""
+    return np.concatenate([linear(frames), frames.position[:, :, None]], axis=2)
+
+
+def from_matrices(matrix: Floats) -> Frames:
+    """The frames of similarity maps (n, 3, 4); of any other map the nearest turn."""
+    from scipy.spatial.transform import Rotation
+
+    matrix = np.asarray(matrix, np.float64).reshape(-1, 3, 4)
+    own = matrix[:, :, :3].copy()
+    volume = np.linalg.det(own)
+    hand = np.where(volume < 0, -1.0, 1.0)
+    own[:, :, 0] *= hand[:, None]
+    turn = Rotation.from_matrix(own).as_quat(canonical=True)[:, [3, 0, 1, 2]] if len(own) else None
+    rotation = np.zeros((0, 4)) if turn is None else turn
+    return Frames(matrix[:, :, 3].copy(), rotation + 0.0, hand, np.cbrt(np.abs(volume)))
+
+
+def apply(frames: Frames, points: Floats) -> Floats:
+    """Points (n, 3), one for each frame, in the coordinates around."""
+    return np.asarray(np.einsum("nij,nj->ni", linear(frames), points) + frames.position)
+
+
+def spread(frames: Frames, points: Floats) -> Floats:
+    """Points (k, 3) under every frame: (n, k, 3)."""
+    return np.asarray(np.einsum("nij,kj->nki", linear(frames), points) + frames.position[:, None])
+
+
+def compose(outer: Frames, inner: Frames) -> Frames:
+    """Row by row, what `inner` places placed by `outer`; one row stands for as many as needed."""
+    outer, inner = _matched(outer, inner)
+    turned = inner.rotation.copy()
+    turned[:, 2:] *= outer.hand[:, None]  # turns about y and z go the other way in a mirror
+    return Frames(
+        apply(outer, inner.position),
+        canonical(multiply(outer.rotation, turned)),
+        outer.hand * inner.hand,
+        outer.scale * inner.scale,
+    )
+
+
+def _matched(a: Frames, b: Frames) -> tuple[Frames, Frames]:
+    if len(a) == len(b):
+        return a, b
+    one = np.zeros(max(len(a), len(b)), np.int64)
+    return (a[one], b) if len(a) == 1 else (a, b[one])
+
+
+def inverse(frames: Frames) -> Frames:
+    """The frames that undo these."""
+    back = frames.rotation * np.array([1.0, -1, -1, -1])
+    back[:, 2:] *= frames.hand[:, None]
+    undone = Frames(np.zeros_like(frames.position), canonical(back), frames.hand, 1 / frames.scale)
+    return Frames(apply(undone, -frames.position), undone.rotation, undone.hand, undone.scale)
+
+
+def multiply(a: Floats, b: Floats) -> Floats:
+    """Products (n, 4) of quaternions."""
+    aw, ax, ay, az = a.T
+    bw, bx, by, bz = b.T
+    return np.stack(
+        [
+            aw * bw - ax * bx - ay * by - az * bz,
+            aw * bx + ax * bw + ay * bz - az * by,
+            aw * by - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by - ay * bx + az * bw,
+        ],
+        axis=1,
+    )
+
+
+def canonical(rotation: Floats) -> Floats:
+    """The one of q and -q whose first component that is not 0 is positive."""
+    near = np.where(np.abs(rotation) > 1e-9, rotation, 0.0)
+    first = np.argmax(near != 0, axis=1)
+    sign = np.where(near[np.arange(len(near)), first] < 0, -1.0, 1.0)
+    return rotation * sign[:, None] + 0.0

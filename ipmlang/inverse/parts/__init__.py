@@ -1,0 +1,5 @@
+"""Parts: what a model is made of, as placed copies of shape classes.
+
+`observe` reads a model, welds it, takes it apart into connected pieces and finds which of them are
+the same up to a rigid motion or a mirror. Nothing here looks for patterns or writes grammars.
+"""

@@ -1,0 +1,103 @@
+"""A scheme spelt out: where every terminal stands in the end.
+
+In goes a scheme, out come rows of terminals with frames in the world. The definition of what a
+scheme means; proofs, costs and tests compare with it.
+"""
+
+from __future__ import annotations
+
+from typing import assert_never
+
+import numpy as np
+
+from ipmlang.inverse.frames import (
+    Floats,
+    Frames,
+    Integers,
+    compose,
+    from_matrices,
+    identity,
+    join,
+    moved_to,
+)
+from ipmlang.inverse.split.scheme import Array, Item, Place, Ring, Rule, Scheme, Split, Terminal
+
+
+def expand(scheme: Scheme) -> tuple[Integers, Frames]:
+    """(n,) the class of every terminal that a scheme draws, and its frame in the world.
+
+    Sizes that a terminal is stretched to are not told; `Place.stretch` belongs to edits.
+    """
+    known: list[tuple[Integers, Frames]] = []
+    for symbol in scheme.symbols:
+        if isinstance(symbol, Terminal):
+            known.append((np.array([symbol.part]), identity()))
+        else:
+            known.append(_drawn(symbol, known))
+    parts, placed = known[-1]
+    return parts, compose(moved_to(scheme.origin), placed)
+
+
+def _drawn(rule: Rule, known: list[tuple[Integers, Frames]]) -> tuple[Integers, Frames]:
+    parts, placed = [np.zeros(0, np.int64)], [identity(0)]
+    for item in rule.items:
+        for symbol, frames in placements(item):
+            own_parts, own = known[symbol]
+            outer = np.repeat(np.arange(len(frames)), len(own))
+            inner = np.tile(np.arange(len(own)), len(frames))
+            parts.append(own_parts[inner])
+            placed.append(compose(frames[outer], own[inner]))
+    return np.concatenate(parts), join(placed)
+
+
+def placements(item: Item) -> list[tuple[int, Frames]]:
+    """The symbols that an item places, each with its frames in the rule's coordinates."""
+    match item:
+        case Place():
+            return [(item.symbol, item.frames)]
+        case Array():
+            return [(item.symbol, _array(item))]
+        case Ring():
+            return [(item.symbol, _ring(item))]
+        case Split():
+            return _split(item)
+        case _:
+            assert_never(item)
+
+
+def _array(array: Array) -> Frames:
+    counts = [direction.count for direction in array.directions]
+    digits = np.stack(np.meshgrid(*map(np.arange, counts), indexing="ij"), axis=-1)
+    digits = digits.reshape(-1, len(counts))
+    if array.holes:
+        kept = [tuple(row) not in array.holes for row in digits.tolist()]
+        digits = digits[np.array(kept, np.bool_)]
+    offset = np.zeros((len(digits), 3))
+    for axis, direction in enumerate(array.directions):
+        along = np.arange(direction.count, dtype=np.float64)
+        if direction.steps:
+            along = np.concatenate([[0.0], np.cumsum(direction.steps)])
+        offset += along[digits[:, axis], None] * direction.step
+    return compose(moved_to(offset), array.first)
+
+
+def _ring(ring: Ring) -> Frames:
+    from scipy.spatial.transform import Rotation
+
+    index = np.array([i for i in range(ring.count) if i not in ring.holes], np.float64)
+    turns = Rotation.from_rotvec(np.radians(ring.angle) * index[:, None] * ring.axis).as_matrix()
+    turns = turns * (ring.growth**index)[:, None, None]
+    moved = ring.center - turns @ ring.center + (ring.rise * index)[:, None] * ring.axis
+    return compose(from_matrices(np.concatenate([turns, moved[:, :, None]], axis=2)), ring.first)
+
+
+def _split(split: Split) -> list[tuple[int, Frames]]:
+    found, at = [], 0.0
+    for cell in split.cells:
+        along = at + cell.length * np.arange(cell.count)
+        at += cell.length * cell.count
+        if cell.symbol is not None:
+            offset: Floats = np.zeros((cell.count, 3))
+            offset[:, split.axis] = along
+            found.append((cell.symbol, moved_to(offset)))
+    return found

@@ -1,0 +1,134 @@
+"""What a model is made of, said shortly: symbols that place other symbols.
+
+A scheme is what inference looks for, what edits change and what is printed. Every symbol has
+coordinates of its own and a scope from (0, 0, 0) to its size; what it draws may stand out of that.
+Nothing here searches or prints.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from ipmlang.inverse.frames import Floats, Frames
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Terminal:
+    """A shape that no rule makes: the class of parts with this index. Its scope is its box."""
+
+    name: str
+    size: Floats
+    part: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Place:
+    """A symbol at each of n frames, for which there is no rule.
+
+    stretch: (n, 3) the sizes its scope is stretched to, None where it keeps its own.
+    """
+
+    symbol: int
+    frames: Frames
+    stretch: Floats | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Direction:
+    """One axis of an array: `count` members, each `step` (3,) beyond the one before it; or, where
+    `steps` are given (count - 1,), as many times a unit `step` beyond it.
+    """
+
+    count: int
+    step: Floats
+    steps: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Array:
+    """A symbol in a row, a grid or a block of up to three directions (not necessarily along axes).
+
+    first: one frame, of the member with all digits 0; holes: digits of members that are missing.
+    """
+
+    symbol: int
+    first: Frames
+    directions: tuple[Direction, ...]
+    holes: frozenset[tuple[int, ...]] = frozenset()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ring:
+    """A symbol again and again about an axis: rings, fans, spiral stairs, spirals.
+
+    first: one frame, of the first member; center, axis: (3,) a point and the unit direction of the
+    axis; angle: degrees a step; rise: units a step along the axis; growth: factor a step of size
+    and of distance from the center; holes: indices that are missing.
+    """
+
+    symbol: int
+    first: Frames
+    count: int
+    center: Floats
+    axis: Floats
+    angle: float
+    rise: float = 0.0
+    growth: float = 1.0
+    holes: frozenset[int] = frozenset()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cell:
+    """A part of a split: `count` cells of `length` along the axis, one behind the other, with a
+    symbol in each (None: nothing). elastic: `~length`, takes its share of what is left over.
+
+    The symbol's coordinates are the cell's: origin in its low corner, as wide as the parent.
+    """
+
+    length: float
+    symbol: int | None
+    count: int = 1
+    elastic: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Split:
+    """The scope of the rule cut along an axis (0 x, 1 y, 2 z) into cells that fill it."""
+
+    axis: int
+    cells: tuple[Cell, ...]
+
+
+Item: TypeAlias = Place | Array | Ring | Split
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rule:
+    """A symbol that draws items, each in the rule's own coordinates; size (3,): its scope.
+
+    name: what a person would call it, empty where nothing says so. note: its documentation.
+    """
+
+    name: str
+    size: Floats
+    items: tuple[Item, ...]
+    note: str = ""
+
+
+Symbol: TypeAlias = Terminal | Rule
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scheme:
+    """Symbols, each before those that place it; the axiom is the last. origin: (3,) where the
+    axiom's coordinates begin in the world.
+    """
+
+    symbols: tuple[Symbol, ...]
+    origin: Floats = field()
+
+    @property
+    def axiom(self) -> int:
+        """The index of the symbol that stands for everything."""
+        return len(self.symbols) - 1
