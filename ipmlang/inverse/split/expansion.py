@@ -35,7 +35,7 @@ def expand(scheme: Scheme) -> tuple[Integers, Frames]:
         else:
             known.append(_drawn(symbol, known))
     parts, placed = known[-1]
-    return parts, compose(moved_to(scheme.origin), placed)
+    return parts, compose(scheme.frame, placed)
 
 
 def _drawn(rule: Rule, known: list[tuple[Integers, Frames]]) -> tuple[Integers, Frames]:

@@ -7,7 +7,7 @@ Nothing here searches or prints.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TypeAlias
 
 from ipmlang.inverse.frames import Floats, Frames
@@ -121,12 +121,12 @@ Symbol: TypeAlias = Terminal | Rule
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scheme:
-    """Symbols, each before those that place it; the axiom is the last. origin: (3,) where the
-    axiom's coordinates begin in the world.
+    """Symbols, each before those that place it; the axiom is the last. frame: one row, the
+    axiom's coordinates in the world: turned, where the building stands askew to the world's axes.
     """
 
     symbols: tuple[Symbol, ...]
-    origin: Floats = field()
+    frame: Frames
 
     @property
     def axiom(self) -> int:
