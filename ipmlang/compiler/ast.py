@@ -277,7 +277,19 @@ class Assign:
     comments: tuple[Comment, ...] = field(default=(), compare=False)
 
 
-Element: TypeAlias = "Module | Bracket | Repeat | Split | Block | Each | Assign"
+@dataclass(frozen=True, slots=True)
+class Local:
+    """`with name = value`: what follows in this body calls the value so. It is computed once, where
+    this stands; `with (name = value)` ends the value before a turtle mark.
+    """
+
+    name: str
+    value: Expr
+    span: Span = field(default=NOWHERE, compare=False)
+    comments: tuple[Comment, ...] = field(default=(), compare=False)
+
+
+Element: TypeAlias = "Module | Bracket | Repeat | Split | Block | Each | Assign | Local"
 
 
 # ------------------------------------------------------------------- items

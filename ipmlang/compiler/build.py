@@ -156,6 +156,14 @@ def build_assign_closed(members: Members, start: int, end: int) -> ast.Assign:
     return ast.Assign(members[2], members[4], span=Span(start, end))
 
 
+def build_local(members: Members, start: int, end: int) -> ast.Local:
+    return ast.Local(members[1], members[3], span=Span(start, end))
+
+
+def build_local_closed(members: Members, start: int, end: int) -> ast.Local:
+    return ast.Local(members[2], members[4], span=Span(start, end))
+
+
 # ------------------------------------------------------------------------ rules
 
 

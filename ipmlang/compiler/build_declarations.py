@@ -240,7 +240,7 @@ def build_place_surface(members: Members, start: int, end: int) -> ast.Place:
 
 
 def build_start(members: Members, start: int, end: int) -> ast.Start:
-    options = once(members[2])
+    options = once(members[2] if len(members) > 2 else [])
     return ast.Start(
         axiom=tuple(members[1]),
         place=options.get("on"),

@@ -28,6 +28,7 @@ MARKS = frozenset(
         *("CARET", "BACKSLASH", "DOLLAR", "BANG"),
     )
 )
+SHAPES = MARKS | {"NAME", "LSQB", "REPEAT", "SPLIT", "SET", "WITH"}
 # What can begin several things, by the members that give it away and those it brings along.
 GROUPS = (
     (
@@ -37,12 +38,12 @@ GROUPS = (
     ),
     (
         frozenset(("NUMBER", "NOT", "REPEAT")),
-        MARKS | {"NAME", "LSQB", "REPEAT", "SPLIT", "SET", "NUMBER", "STRING", "NOT", "LPAR"},
+        SHAPES | {"NUMBER", "STRING", "NOT", "LPAR"},
         "a label, a shape or operation",
     ),
     (
         frozenset(("REPEAT", "SPLIT", "SET")),
-        MARKS | {"NAME", "LSQB", "REPEAT", "SPLIT", "SET"},
+        SHAPES,
         "a shape or operation",
     ),
     (

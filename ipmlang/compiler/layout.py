@@ -116,8 +116,8 @@ def flat(element: ast.Element, room: int, before_mark: bool = False) -> str | No
     match element:
         case ast.Module():
             return " ".join(module_words(element))
-        case ast.Assign():
-            return " ".join(assign_words(element, before_mark))
+        case ast.Assign() | ast.Local():
+            return " ".join(naming_words(element, before_mark))
         case ast.Bracket(body=body):
             inner = flat_body(body, room - 2)
             return None if inner is None else f"[{inner}]"
@@ -168,12 +168,13 @@ def module_words(module: ast.Module) -> list[str]:
     return enclosed(module.name + "(", argument_words(module.args), ")")
 
 
-def assign_words(assign: ast.Assign, before_mark: bool) -> list[str]:
+def naming_words(naming: ast.Assign | ast.Local, before_mark: bool) -> list[str]:
     """`set x = 1`, in brackets where a mark follows that would go on with the expression."""
-    value = expression_words(assign.value)
+    word = "set" if isinstance(naming, ast.Assign) else "with"
+    value = expression_words(naming.value)
     if before_mark:
-        return ["set", f"({assign.name}", "=", *value[:-1], value[-1] + ")"]
-    return ["set", assign.name, "=", *value]
+        return [word, f"({naming.name}", "=", *value[:-1], value[-1] + ")"]
+    return [word, naming.name, "=", *value]
 
 
 def opening_words(element: ast.Repeat | ast.Split | ast.Block | ast.Each) -> list[str]:
@@ -259,8 +260,8 @@ def _broken(page: Page, element: ast.Element, base: int, reserve: int, before_ma
     match element:
         case ast.Module():
             page.words(module_words(element), base + INDENT, reserve)
-        case ast.Assign():
-            page.words(assign_words(element, before_mark), base + INDENT, reserve)
+        case ast.Assign() | ast.Local():
+            page.words(naming_words(element, before_mark), base + INDENT, reserve)
         case ast.Bracket(body=body):
             if not page.glued:
                 page.break_line(base)

@@ -88,6 +88,10 @@ ELEMENTS = {
     "[ - F ] F": "A group: what follows it starts where the group did.",
     "repeat(i < n) { [Picket(i)] f(13) }": "Copies, numbered from 0; `except (3, 7)` leaves some "
     "out, `steps (1, 2)` moves on between them, `with r in T` or `repeat(r in T)` reads a table.",
+    "with w = rand(1, 2)": "From here to the end of the body, the group, the braces or the copy "
+    "that it stands in, `w` is this value. It is computed once, where it stands: a random number is "
+    "drawn once however often `w` is read, `scope.sx` is the extent here. In a function, a "
+    "parameter of another function does the same.",
     "set width = 0.7 * width": "From here to the end of the body, the group, the braces or the "
     "copy that it stands in, the attribute `width` has this value: in expressions behind it, and "
     "for all descendants of what stands behind it, with their guards, chances, counts and `turtle` "

@@ -177,6 +177,9 @@ class _Walk:
             case ast.Assign():
                 value = self.visit("set", element.name, "number", element.value, loops)
                 return replace(element, value=value)
+            case ast.Local():
+                value = self.visit("with", element.name, "number", element.value, loops)
+                return replace(element, value=value)
             case _:
                 assert_never(element)
 

@@ -67,7 +67,7 @@ def _element(element: ast.Element, make: Make) -> ast.Element:
                 replace(each, body=_elements(each.body, make, False)) for each in element.parts
             )
             return replace(element, parts=parts)
-        case ast.Module() | ast.Assign():
+        case ast.Module() | ast.Assign() | ast.Local():
             return element
         case _:
             assert_never(element)

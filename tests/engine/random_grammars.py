@@ -126,3 +126,14 @@ class Written(Setting):
     def _set(self, value: str) -> str:
         self._attribute = value
         return ""
+
+
+class Naming(Grammar):
+    """A grammar whose bodies name values."""
+
+    def _body(self, names: list[str], depth: int, copies: bool = False) -> list[str]:
+        if self._random.random() < 0.4:
+            return super()._body(names, depth, copies)
+        name = f"w{len(names)}"
+        given = f"with ({name} = {self._value(names)})"
+        return [given, *super()._body([*names, name, name], depth, copies)]

@@ -224,3 +224,17 @@ class Splits:
         if self.parameter:
             choices.append("n * 0.3 + 0.6")
         return draw.choice(choices)
+
+
+class Named(Splits):
+    """One whose bodies name values, and read them in sizes, counts and arguments."""
+
+    def body(self, number: int, depth: int) -> str:
+        if self.draw.random() < 0.5:
+            return super().body(number, depth)
+        name = f"w{len(self.copies)}"
+        value = self.number()
+        self.copies.append(name)
+        body = super().body(number, depth)
+        self.copies.pop()
+        return f"with {name} = {value} {body}"

@@ -211,6 +211,9 @@ class Oracle:
                 case ast.Assign():
                     value = self.value(each.value, shape, place)
                     shape = replace(shape, values={**shape.values, each.name: value})
+                case ast.Local():
+                    value = self.value(each.value, shape, place)
+                    place = replace(place, names={**place.names, each.name: value})
                 case ast.Repeat():
                     shape = self.repeat(each, shape, place)
                 case ast.Split():

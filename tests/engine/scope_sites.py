@@ -46,7 +46,7 @@ class Sites:
                     self.note(each)
                 case ast.Bracket():
                     self.body(each.body)
-                case ast.Assign():
+                case ast.Assign() | ast.Local():
                     self.value(each.value)
                 case ast.Repeat():
                     assert isinstance(each.head, ast.Count)

@@ -85,6 +85,7 @@ def _elements(inner: SearchStrategy) -> SearchStrategy:
         st.builds(ast.Block, NAMES, arguments(EXPRESSIONS), parts),
         st.builds(ast.Each, MODULES, PLAIN, parts),
         st.builds(ast.Assign, NAMES, EXPRESSIONS),
+        st.builds(ast.Local, PLAIN, EXPRESSIONS),
     )
 
 

@@ -7,7 +7,7 @@ record alone.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import assert_never
+from typing import TypeAlias, assert_never
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.checking.arguments import check_arguments
@@ -23,6 +23,7 @@ from ipmlang.compiler.checking.expressions import (
     want,
 )
 from ipmlang.compiler.checking.findings import CallSite
+from ipmlang.compiler.checking.locals import warn_unread, with_local
 from ipmlang.compiler.checking.operations import (
     find_operation,
     use_at_each,
@@ -32,20 +33,35 @@ from ipmlang.compiler.checking.operations import (
 from ipmlang.compiler.diagnostics import nearest
 from ipmlang.compiler.ops import OPERATIONS
 
+_Element: TypeAlias = (
+    ast.Module | ast.Bracket | ast.Repeat | ast.Split | ast.Block | ast.Each | ast.Assign
+)
 
-def check_body(scope: Scope, body: Sequence[ast.Element], certain: bool = True) -> None:
-    """Check the elements of a body; `certain`: they are made whenever the rule applies."""
+
+def check_body(
+    scope: Scope, body: Sequence[ast.Element], certain: bool = True, ends: bool = False
+) -> None:
+    """Check the elements of a body; `certain`: they are made whenever the rule applies; `ends`: a
+    bracket closes behind them, where turtle and scope are what they were.
+    """
+    outer, named = scope, []
     for element in body:
-        _element(scope, element, certain)
-    warn_of_mixture(scope, body)
+        if isinstance(element, ast.Local):
+            scope = with_local(scope, element)
+            named.append((element, scope))
+        else:
+            _element(scope, element, certain)
+    warn_unread(outer, named)
+    if not ends:
+        warn_of_mixture(scope, body)
 
 
-def _element(scope: Scope, element: ast.Element, certain: bool) -> None:
+def _element(scope: Scope, element: _Element, certain: bool) -> None:
     match element:
         case ast.Module():
             _module(scope, element, certain)
         case ast.Bracket(body):
-            check_body(scope, body, certain)
+            check_body(scope, body, certain, ends=True)
         case ast.Repeat():
             _repeat(scope, element, certain)
         case ast.Split():
@@ -69,8 +85,10 @@ def _element(scope: Scope, element: ast.Element, certain: bool) -> None:
 
 def _module(scope: Scope, module: ast.Module, certain: bool) -> None:
     name, count = module.name, len(module.args)
-    if not count and isinstance(scope.locals.get(name), Slot):
-        _parameter_as_symbol(scope, module)
+    local = scope.locals.get(name)
+    if not count and isinstance(local, Slot):
+        local.read = True
+        _local_as_symbol(scope, module, local)
         return
     entry, record = scope.view.symbol(name), OPERATIONS.get(name)
     named = any(argument.name is not None for argument in module.args)
@@ -146,11 +164,11 @@ def _undefined(scope: Scope, module: ast.Module, certain: bool) -> None:
     )
 
 
-def _parameter_as_symbol(scope: Scope, module: ast.Module) -> None:
+def _local_as_symbol(scope: Scope, module: ast.Module, local: Slot) -> None:
     scope.findings.trouble(
         module.span,
-        "parameter-as-symbol",
-        f"`{module.name}` is a parameter, and no symbol is called so",
+        f"{local.kind.split()[0]}-as-symbol",
+        f"`{module.name}` is a {local.kind}, and no symbol is called so",
         hint=f"to place the asset that it stands for, write insert({module.name})",
     )
 
@@ -273,7 +291,9 @@ def _assign(scope: Scope, element: ast.Assign, name: str, value: ast.Expr) -> No
     if entry is not None:
         message = f"`{name}` is {article(entry.kind)}: only an attribute can be set"
     elif name in scope.locals:
-        message = f"`{name}` is a parameter: only an attribute can be set"
+        local = scope.locals[name]
+        kind = local.kind if isinstance(local, Slot) else "row"
+        message = f"`{name}` is a {kind}: only an attribute can be set"
     else:
         message = f"no attribute is called `{name}`"
     scope.findings.trouble(

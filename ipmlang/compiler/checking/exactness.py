@@ -7,7 +7,7 @@ whose last bits depend on the machine. Parameters are not followed from rule to 
 from __future__ import annotations
 
 from ipmlang.compiler import ast
-from ipmlang.compiler.checking.expressions import Scope
+from ipmlang.compiler.checking.expressions import Scope, Slot
 from ipmlang.compiler.ops import FUNCTIONS
 
 
@@ -29,7 +29,10 @@ def inexact_part(scope: Scope, expr: ast.Expr) -> ast.Name | ast.Call | None:
     """The first part of an expression whose last bits depend on the machine, if there is one."""
     match expr:
         case ast.Name(name):
-            entry = None if name in scope.locals else scope.view.value(name)
+            local = scope.locals.get(name)
+            if local is not None:
+                return expr if isinstance(local, Slot) and not local.exact else None
+            entry = scope.view.value(name)
             return None if entry is None or entry.exact else expr
         case ast.Call(name, args):
             record, entry = FUNCTIONS.get(name), scope.view.value(name)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from itertools import chain
-from typing import assert_never
+from typing import Literal, assert_never
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.checked import ValueEntry
@@ -25,10 +25,16 @@ from ipmlang.compiler.types import COLOR_WORDS, PHRASES, common, fits, is_color
 
 @dataclass(slots=True, eq=False)
 class Slot:
-    """A parameter or the number of a copy: the type asked of it, and where that was."""
+    """A parameter, the number of a copy or a name that a body gives: the type asked of it, and
+    where that was. `source`: what else has its value; `exact`: it may feed a decision.
+    """
 
     type: ValueType = "any"
     place: ast.Span | None = None
+    kind: Literal["parameter", "local name"] = "parameter"
+    source: Slot | None = None
+    exact: bool = True
+    read: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +54,7 @@ class Scope:
     locals: dict[str, Slot | Row] = field(default_factory=dict)
 
     def inner(self, name: str, bound: Slot | Row) -> Scope:
-        """The scope of a repeat's body."""
+        """The scope of a repeat's body, or of what follows a local name."""
         return Scope(self.view, self.findings, {**self.locals, name: bound})
 
 
@@ -84,8 +90,9 @@ def _ask(scope: Scope, name: ast.Name, expected: ValueType) -> bool:
     slot = scope.locals.get(name.id)
     if not isinstance(slot, Slot):
         return False
+    slot.read = True
     if slot.type == "any":
-        slot.type, slot.place = expected, name.span
+        _settle(slot, expected, name.span)
     elif not fits(slot.type, expected):
         used = None if slot.place is None else (slot.place, f"here it is {PHRASES[slot.type]}")
         scope.findings.trouble(
@@ -95,6 +102,13 @@ def _ask(scope: Scope, name: ast.Name, expected: ValueType) -> bool:
             other=used,
         )
     return True
+
+
+def _settle(slot: Slot | None, expected: ValueType, place: ast.Span) -> None:
+    """A value takes a type under all its names."""
+    while slot is not None and slot.type == "any":
+        slot.type, slot.place = expected, place
+        slot = slot.source
 
 
 def _want_color(scope: Scope, text: ast.Text) -> None:
@@ -171,6 +185,7 @@ def _common(scope: Scope, span: ast.Span, values: tuple[ast.Expr, ...], what: st
 def _name(scope: Scope, name: ast.Name) -> ValueType:
     local = scope.locals.get(name.id)
     if isinstance(local, Slot):
+        local.read = True
         return local.type
     head, dot, column = name.id.partition(".")
     row = scope.locals.get(head)

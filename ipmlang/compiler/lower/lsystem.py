@@ -78,6 +78,8 @@ class Body:
                     self._reach(code, [part.body for part in element.parts], names)
                 case ast.Assign():
                     code.changed[self._attribute(code, element)] = code.value(element.value, names)
+                case ast.Local(name, value):
+                    names = {**names, name: code.value(value, names)}
                 case _:
                     assert_never(element)
         code.changed = before
