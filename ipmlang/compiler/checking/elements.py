@@ -11,6 +11,7 @@ from typing import TypeAlias, assert_never
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.checking.arguments import check_arguments
+from ipmlang.compiler.checking.asked import note_snapped
 from ipmlang.compiler.checking.exactness import warn_inexact
 from ipmlang.compiler.checking.expressions import (
     Row,
@@ -195,6 +196,13 @@ def _split(scope: Scope, split: ast.Split) -> None:
             suggestions=nearest(split.axis, record.axes),
         )
     check_arguments(scope, record, "split", split.args, split.span)
+    if split.args and split.axis in record.axes and split.axis not in ("x", "y", "z"):
+        scope.findings.trouble(
+            split.span,
+            "wrong-arguments",
+            f"`split {split.axis}` cannot snap: lines stand across x, y or z",
+        )
+    note_snapped(scope.findings, split)
     _split_parts(scope, split.parts)
 
 
