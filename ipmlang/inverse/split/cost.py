@@ -15,6 +15,7 @@ from ipmlang.inverse.split.scheme import (
     Array,
     Cell,
     Item,
+    Octant,
     Place,
     Ring,
     Rule,
@@ -29,6 +30,7 @@ LOOP = 9  # `repeat(i < n) { … }`
 AROUND = 3  # `[… A]`
 VECTOR = 6  # `translate(x, y, z)` without signs
 SPLIT = 4  # `split x { … }`
+OCTANT = 7  # `octant(x, y, z, 1)`
 ASSET = 4  # `asset a = "…"`
 
 
@@ -69,6 +71,10 @@ def item_tokens(item: Item, small: float) -> int:
             return LOOP + AROUND + VECTOR + 2 + own + center + rise + growth + len(item.holes)
         case Split():
             return SPLIT + sum(_cell_tokens(cell) for cell in item.cells) + len(item.cells) - 1
+        case Octant():
+            cells = VECTOR if max(item.counts) > 1 else 0
+            inner = int(placement_tokens(item.inner, small)[0])
+            return 2 + OCTANT * len(item.cuts) + cells + inner
         case _:
             assert_never(item)
 

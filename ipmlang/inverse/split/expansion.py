@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import assert_never
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ipmlang.inverse.frames import (
     Floats,
@@ -20,7 +21,17 @@ from ipmlang.inverse.frames import (
     join,
     moved_to,
 )
-from ipmlang.inverse.split.scheme import Array, Item, Place, Ring, Rule, Scheme, Split, Terminal
+from ipmlang.inverse.split.scheme import (
+    Array,
+    Item,
+    Octant,
+    Place,
+    Ring,
+    Rule,
+    Scheme,
+    Split,
+    Terminal,
+)
 
 
 def expand(scheme: Scheme) -> tuple[Integers, Frames]:
@@ -61,6 +72,8 @@ def placements(item: Item) -> list[tuple[int, Frames]]:
             return [(item.symbol, _ring(item))]
         case Split():
             return _split(item)
+        case Octant():
+            return [(item.symbol, _cells(item))]
         case _:
             assert_never(item)
 
@@ -101,3 +114,17 @@ def _split(split: Split) -> list[tuple[int, Frames]]:
             offset[:, split.axis] = along
             found.append((cell.symbol, moved_to(offset)))
     return found
+
+
+def _cells(octant: Octant) -> Frames:
+    low = np.zeros(3)
+    for cut in octant.cuts:
+        low = low + np.where(_beyond(cut.octant), cut.point, 0.0)
+    counts = np.array(octant.counts)
+    digits = np.indices(octant.counts).reshape(3, -1).T
+    return compose(moved_to(low + digits * (octant.size / counts)), octant.inner)
+
+
+def _beyond(octant: int) -> NDArray[np.bool_]:
+    """(3,) whether an octant lies beyond the point along x, y and z."""
+    return (octant - 1 >> np.arange(3) & 1).astype(np.bool_)

@@ -100,7 +100,31 @@ class Split:
     cells: tuple[Cell, ...]
 
 
-Item: TypeAlias = Place | Array | Ring | Split
+@dataclass(frozen=True, slots=True, eq=False)
+class Cut:
+    """A point split (Demir and Aliaga 2016, equation 1): of the eight parts around `point` (3,) the
+    one of this number, 1 + [beyond in x] + 2 [beyond in y] + 4 [beyond in z].
+    """
+
+    point: Floats
+    octant: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Octant:
+    """The paper's own form: cuts, each in the coordinates of what the one before left, take a box
+    of `size` (3,) out of the rule's scope; `counts` cells fill it (`subdivide`, 1, 1, 1: one), and
+    in each the symbol stands in the frame `inner`, one row, with a scope of its own size.
+    """
+
+    symbol: int
+    cuts: tuple[Cut, ...]
+    size: Floats
+    inner: Frames
+    counts: tuple[int, int, int] = (1, 1, 1)
+
+
+Item: TypeAlias = Place | Array | Ring | Split | Octant
 
 
 @dataclass(frozen=True, slots=True, eq=False)
