@@ -26,6 +26,7 @@ Opcode: TypeAlias = Literal[
     "measure",  # const: area, volume or sides, of the shape's geometry
     "count",  # const: repeat number; how many copies there are
     "query",  # args: labels or keys, and what goes with them; const: name of a query; site
+    "self",  # a number that tells the shapes of a batch apart
     # children and structure of a body
     "module",  # const: symbol number; args: its parameters; site
     "open",  # [
@@ -33,6 +34,8 @@ Opcode: TypeAlias = Literal[
     "repeat",  # args (count, *holes); const: repeat number; site; body
     "slab",  # args (low, size); const axis 0, 1 or 2; body: of the part of the scope between
     "pieces",  # args; const (operation, number); body: "part"s, each for what its selector takes
+    "piece",  # args (self, low, size); const (number, part, stretches): one of a split that snaps
+    "snapped",  # args (name, within, reach); const (axis, number): such a split; body: "part"s
     "part",  # const: a selector; body
     "join",  # const: union, subtract or intersect; body: "part"s, whose solids it makes one of
     # state, in meanings only
@@ -48,6 +51,7 @@ Opcode: TypeAlias = Literal[
     "report",  # args (key, value): add to the sum under a key
     "phase",  # args (number,): the shapes made from here on wait for those of earlier phases
     "lay",  # args; const: the operation that says how textures lie on what follows
+    "snap",  # args (name, axis, place): make a line for splits of later phases
     "pen",  # args (value,) or (); const (field, text or None): width, color, css, effect, material
     "layer",  # args (d,): raise the paint order of what follows
     "cut",  # the book's %
@@ -64,12 +68,14 @@ Chance: TypeAlias = "tuple[Literal['percent', 'weight'], tuple[Instruction, ...]
 
 VALUE_OPS = frozenset({
     "const", "param", "attr", "index", "row", "call", "uniform", "state", "measure", "count",
-    "query",
+    "query", "self",
 })  # fmt: skip
-BODY_OPS = frozenset({"module", "open", "close", "repeat", "slab", "pieces", "part", "join"})
+BODY_OPS = frozenset({
+    "module", "open", "close", "repeat", "slab", "pieces", "piece", "snapped", "part", "join",
+})  # fmt: skip
 SCOPE_OPS = frozenset({
     "state", "measure", "query", "slab", "pieces", "resize", "solid", "center", "report", "phase",
-    "lay", "join",
+    "lay", "join", "snap", "snapped",
 })  # fmt: skip
 RESIDUAL_TEXTS = ("css", "color", "fill", "stroke")
 RESIDUAL_COLUMNS = ("x", "y", "z", "angle", "scale", "layer", *RESIDUAL_TEXTS)

@@ -100,12 +100,8 @@ class Writer:
                 state = saved.pop()
             elif each.op == "repeat":
                 state = self._repeat(each, scope, state)
-            elif each.op == "slab":
-                scope_bodies.slab(self, each, scope, state)
-            elif each.op == "pieces":
-                scope_bodies.pieces(self, each, scope, state)
-            elif each.op == "join":
-                scope_bodies.join(self, each, scope, state)
+            elif each.op in scope_bodies.PARTING:
+                scope_bodies.PARTING[each.op](self, each, scope, state)
             elif each is self._tail:
                 self.ended = dict(state)
             elif each.op == "module":
@@ -139,7 +135,7 @@ class Writer:
 
     def _makes(self, each: ir.Instruction) -> bool:
         """Whether an element makes shapes, or parts of the scope, and leaves the state alone."""
-        if each.op in ("slab", "pieces", "join") or each is self._tail:
+        if each.op in scope_bodies.PARTING or each is self._tail:
             return True
         return each.op == "module" and self._expands(each)
 
@@ -198,6 +194,8 @@ class Writer:
             return self.source.let(f"run.measure('{each.const}', {parts})")
         if each.op == "count":
             return scope.many[int(str(each.const))]
+        if each.op == "self":
+            return self.source.let(f"arange({scope.count})")
         names = Names(
             lambda i: scope.params[i],  # type: ignore[arg-type,return-value]
             lambda i: self._setting.attrs[i],

@@ -81,7 +81,8 @@ def derive_frontier(
     )
     made.solids = frontier.pool.solids()
     made.reports = frontier.reports.sums()
-    made.notes += frontier.notes + unfit_notes(program, frontier.reports)
+    made.notes += frontier.notes + frontier.snap_notes()
+    made.notes += unfit_notes(program, frontier.reports)
     return made
 
 

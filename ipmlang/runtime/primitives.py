@@ -72,5 +72,6 @@ def names_for(single: bool) -> dict[str, object]:
         "level": level,
         "copysign": np.copysign,
         "flatnonzero": np.flatnonzero,
+        "arange": np.arange,
         "Copies": Copies,
     }

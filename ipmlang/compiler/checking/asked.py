@@ -13,16 +13,27 @@ from ipmlang.compiler.checking.findings import Findings
 from ipmlang.compiler.ops.queries import OCCLUSION
 from ipmlang.compiler.ops.record import Operation, Query
 
+SPLIT_KINDS = {"snap": "snap", "within": "label"}
 KINDS = {"label": "label", "within": "label", "key": "report"}
 
 
 def note_given(findings: Findings, record: Operation, args: Sequence[ast.Argument]) -> None:
-    """Note the label, the key or the phase that an operation gives."""
-    if record.name not in ("label", "report", "phase"):
+    """Note the label, the key, the phase or the snap line that an operation gives."""
+    if record.name not in ("label", "report", "phase", "snap"):
         return
     value = args[0].value if args else None
     text = value.value if isinstance(value, ast.Text) else None
     findings.given.add((record.name, text))
+
+
+def note_snapped(findings: Findings, split: ast.Split) -> None:
+    """Note the snap lines that a split asks for, and the label that they stand within."""
+    for argument in split.args:
+        text = argument.value.value if isinstance(argument.value, ast.Text) else None
+        if argument.name == "snap" and text != "":
+            findings.asked.append(("phase", "split", argument.span))
+        if argument.name in SPLIT_KINDS and text:
+            findings.asked.append((SPLIT_KINDS[argument.name], text, argument.value.span))
 
 
 def note_asked(findings: Findings, query: Query, call: ast.Call) -> None:

@@ -1,8 +1,8 @@
-"""What queries ask for, against what the rules of all files give: labels, keys of reports, phases.
+"""What queries ask for, against what the rules of all files give: labels, reports, phases, lines.
 
 In go the findings of all items, out come warnings: for a label that nothing has, a key that nothing
-reports, a question about earlier phases where there is one phase alone. Texts that are computed are
-not followed: where one is given, all may be there.
+reports, a snap line that nothing makes, a question about earlier phases where there is one phase
+alone. Texts that are computed are not followed: where one is given, all may be there.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from ipmlang.compiler.diagnostics import Diagnostic, nearest
 MESSAGES = {
     "label": "nothing has the label or is called",
     "report": "nothing reports anything under",
+    "snap": "nothing makes a snap line called",
 }
 
 

@@ -173,6 +173,10 @@ class Code:
         """A measure of the shape's geometry, as it is here."""
         return self._append("measure", const=what)
 
+    def own(self) -> Operand:
+        """A number that tells the shapes of a batch apart."""
+        return self._append("self")
+
     def query(self, name: str, args: Sequence[Operand]) -> Operand:
         """What other shapes say, as it is asked here."""
         self.counter.queries += 1

@@ -9,9 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 from ipmlang.compiler import ast, ir
 from ipmlang.compiler.lower.expr import Code, Environment, Known, Operand
+from ipmlang.compiler.lower.operands import operands
+from ipmlang.compiler.ops import OPERATIONS
 
 AXES = {"x": 0, "y": 1, "z": 2, "area": 3}  # `area`: along x, measured in area
 LEAST = 1e-9  # of the whole length: a part that is no longer makes no shape
@@ -43,6 +46,29 @@ class Piece:
     inner: tuple[Piece, ...] = ()
 
 
+class Placing(Protocol):
+    """What becomes of the parts of a split, once it is known where they begin."""
+
+    def body(
+        self,
+        code: Code,
+        axis: int,
+        part: ast.SplitPart,
+        low: Operand,
+        size: Operand,
+        ordinal: Ordinal | None,
+        names: Environment,
+    ) -> None:
+        """Append one part."""
+
+    def number(self) -> int:
+        """The number of a new repeat."""
+
+    @property
+    def counts(self) -> bool:
+        """Whether anything asks which piece it is."""
+
+
 class Splitting:
     """Writes one split. `numbers` gives a number to each repeat; `indices`: the attributes that
     hold `split.index` and `split.count`, None where nothing reads them.
@@ -57,15 +83,25 @@ class Splitting:
 
     def split(self, code: Code, split: ast.Split, names: Environment) -> None:
         """Append a split."""
-        if split.axis not in AXES or split.args:
-            what = f"split {split.axis}" if split.axis not in AXES else "snap"
-            message = f"operation `{what}` is not executable yet"
+        if split.axis not in AXES:
+            message = f"operation `split {split.axis}` is not executable yet"
             raise code.error(split.span, "not-executable", message)
-        axis = AXES[split.axis]
-        whole = code.measure("area") if axis == 3 else code.state(EXTENTS[split.axis])
-        level = _Level(self, axis, whole, names)
-        pieces = level.pieces(code, split.parts)
-        level.write(code, pieces, Known(0.0), whole, Known(0.0), None)
+        if not split.args:
+            _shared(code, split, self, names)
+            return
+        args = operands(code, OPERATIONS["split"], split.args, names)
+        noting = _Noting(code.own(), self._numbers)
+        _shared(code, split, noting, names)
+        outer = code.block()
+        for place, (part, own) in enumerate(noting.parts):
+            inner = outer.block()
+            if self.counts:
+                index = inner.load("index", noting.own)
+                self.told(inner, Ordinal(index, inner.load("count", noting.own)))
+            self._write(inner, part.body, own)
+            outer.structure("part", (), place, inner, part.span)
+        const = (AXES[split.axis], noting.own, code.site())
+        code.structure("snapped", args, const, outer, split.span)
 
     def body(
         self,
@@ -99,10 +135,52 @@ class Splitting:
         return self._indices is not None
 
 
+class _Noting:
+    """Notes where the pieces of a split begin; `own` is the split's number. Lines that it snaps to
+    then move the cuts between them.
+    """
+
+    counts = False
+
+    def __init__(self, shape: Operand, numbers: Callable[[], int]) -> None:
+        self.own = numbers()
+        self.parts: list[tuple[ast.SplitPart, Environment]] = []
+        self._shape = shape
+        self._numbers = numbers
+
+    def body(
+        self,
+        code: Code,
+        axis: int,
+        part: ast.SplitPart,
+        low: Operand,
+        size: Operand,
+        ordinal: Ordinal | None,
+        names: Environment,
+    ) -> None:
+        """Append a note of one part; what is not absolute gives way."""
+        const = (self.own, len(self.parts), part.size.kind != "absolute")
+        code.act("piece", (self._shape, low, size), const)
+        self.parts.append((part, names))
+
+    def number(self) -> int:
+        """The number of a new repeat."""
+        return self._numbers()
+
+
+def _shared(code: Code, split: ast.Split, placing: Placing, names: Environment) -> None:
+    """Share the length of a shape out to the parts of a split."""
+    axis = AXES[split.axis]
+    whole = code.measure("area") if axis == 3 else code.state(EXTENTS[split.axis])
+    level = _Level(placing, axis, whole, names)
+    pieces = level.pieces(code, split.parts)
+    level.write(code, pieces, Known(0.0), whole, Known(0.0), None)
+
+
 class _Level:
     """The parts between two braces: sizes are shared out here, once a level."""
 
-    def __init__(self, splitting: Splitting, axis: int, whole: Operand, names: Environment) -> None:
+    def __init__(self, splitting: Placing, axis: int, whole: Operand, names: Environment) -> None:
         self._splitting = splitting
         self._axis = axis
         self._whole = whole

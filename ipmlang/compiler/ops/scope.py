@@ -117,6 +117,15 @@ FLOW = (
     scoped("report", "Add a number to the report's sum under a key.",
             ((Param("key", "string"), Param("value")),), ('report("area", 12) Wall',),
             ('report("area")', 'report("area", "big")'), effect="structure", act="report"),
+    scoped("snap", "Make a snap line, which draws nothing: the endless plane across an axis of the "
+            "scope, where the scope begins along it, or `at` its middle, its end or both. Splits "
+            "of later phases along that direction can snap to it by its name (see `split` and "
+            "`phase`).",
+            ((Param("name", "string"), _AXIS,
+              words("at", "start", "middle", "end", "both", named=True, optional=True)),),
+            ('snap("sill", y) Window', 'snap("bay", x, at: both) Bay'),
+            ('snap("sill")', 'snap("sill", q)', "snap(1, y)"),
+            effect="structure", act="snap"),
     scoped("phase", "Expand the shapes that follow, and all that they make, only when all of "
             "earlier phases are done: their guards and bodies can ask for `count`, `total`, "
             "`rank` and `share` of what those made. Phases have numbers; a derivation starts in "

@@ -30,6 +30,7 @@ ASKING: Kind = 0  # it asks: only what descends from it matters
 NAMED: Kind = 1  # its symbol's name is a label
 LABELLED: Kind = 2
 REPORTING: Kind = 3
+ASKS = ("query", "snapped")  # instructions that ask about other shapes
 FIRST = 1.0  # the phase that a derivation starts in
 SEEN = ("x", "y", "z", "w", "i", "j", "k", "scale", "sx", "sy", "sz", "geo", FIELD, PHASE)
 
@@ -48,7 +49,7 @@ class Asked:
 
 def asked(program: ir.Program) -> Asked | None:
     """What a program asks; None where it asks nothing about other shapes."""
-    found = [each for code in _codes(program) for each in _all(code) if each.op == "query"]
+    found = [each for code in _codes(program) for each in _all(code) if each.op in ASKS]
     if not found:
         return None
     texts = {text: number for number, text in enumerate(program.strings)}

@@ -7,6 +7,7 @@ next. Nothing is computed here.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ from ipmlang.runtime.algebra import Operand
 from ipmlang.runtime.code import source
 from ipmlang.runtime.fields import FRAME, SCOPE, TRIM
 from ipmlang.runtime.primitives import UnscannableError
+from ipmlang.runtime.queries.marks import SEEN
 from ipmlang.runtime.scopes.joins import FIELD as JOIN
 from ipmlang.runtime.scopes.laying import FIELD as UV
 
@@ -22,7 +24,7 @@ if TYPE_CHECKING:
     from ipmlang.runtime.bodies import Scope, Writer
     from ipmlang.runtime.motion import State
 
-SHAPING = frozenset({"resize", "solid", "center", "report", "lay"})
+SHAPING = frozenset({"resize", "solid", "center", "report", "lay", "snap"})
 MOVED = ("x", "y", "z")
 TURNING = frozenset(
     {"rotate", "rotateScope", "mirrorScope", "alignScopeToAxes", "alignScopeToGeometry"}
@@ -66,6 +68,10 @@ def shaped(
     if each.op == "report":
         what = f"{scope.count}, {writer.values(args)}, {scope.shown}"
         writer.source.lines.append(f"run.report({what})")
+        return state
+    if each.op == "snap":
+        what = f"{scope.count}, {writer.values(args)}, {_seen(writer, state)}, {scope.shown}"
+        writer.source.lines.append(f"run.snap({what})")
         return state
     if each.op == "lay":
         return laid(writer, each, args, scope, state)
@@ -132,7 +138,48 @@ def pieces(writer: Writer, each: ir.Instruction, scope: Scope, state: State) -> 
     keys = f"({scope.k0}, {scope.k1}, {site}, {scope.tuple})"
     what = f"{name!r}, {selectors!r}, {scope.count}, {writer.values(args)}"
     call = f"run.pieces({what}, {writer.mapping(state, names)}, {keys}, {scope.shown})"
-    found = writer.held(call)
+    _parts(writer, each, number, writer.held(call), names, scope, state)
+
+
+def piece(writer: Writer, each: ir.Instruction, scope: Scope, state: State) -> None:
+    """One piece of a split whose cuts may move: it is noted."""
+    if writer.quiet:
+        return
+    shape, low, size = (source(scope.registers[arg]) for arg in each.args)
+    what = f"{each.const!r}, {scope.count}, {shape}, {low}, {size}, {scope.shown}"
+    writer.source.lines.append(f"run.piece({what})")
+
+
+def snapped(writer: Writer, each: ir.Instruction, scope: Scope, state: State) -> None:
+    """The pieces that were noted, once their cuts have moved."""
+    if writer.quiet:
+        return
+    assert isinstance(each.const, tuple)
+    axis, number, _ = each.const
+    assert isinstance(number, int)
+    args = [scope.registers[arg] for arg in each.args]
+    names = (*MOVED, *SCOPE)
+    many = sum(part.op == "part" for part in each.body)
+    what = f"{axis}, {number}, {many}, {scope.count}, {writer.values(args)}"
+    call = f"run.snapped({what}, {_seen(writer, state)}, {scope.shown})"
+    _parts(writer, each, number, writer.held(call), names, scope, state)
+
+
+def _seen(writer: Writer, state: State) -> str:
+    """The scope of a shape, and what it stands in."""
+    return writer.mapping(state, [name for name in SEEN if name in state])
+
+
+def _parts(
+    writer: Writer,
+    each: ir.Instruction,
+    number: int,
+    found: str,
+    names: Sequence[str],
+    scope: Scope,
+    state: State,
+) -> None:
+    """The bodies of parts, each for a batch of copies; `names` are the fields that they change."""
     parts = [part for part in each.body if part.op == "part"]
     for place, part in enumerate(parts):
         mine = writer.source.let(f"{found}[{place}]")
@@ -163,3 +210,8 @@ def join(writer: Writer, each: ir.Instruction, scope: Scope, state: State) -> No
         number = writer.source.let(f"{found} + {place}.0")
         inner = replace(scope, registers=dict(scope.registers))
         writer.within(part.body, inner, {**state, JOIN: number})
+
+
+PARTING: Mapping[str, Callable[[Writer, ir.Instruction, Scope, State], None]] = {
+    "slab": slab, "pieces": pieces, "piece": piece, "snapped": snapped, "join": join,
+}  # fmt: skip

@@ -151,7 +151,10 @@ class Scoping(Copying):
 
     def _miss(self, there: NDArray[np.bool_], shown: Rows, count: int) -> None:
         missing = ~np.broadcast_to(there, (count,))
-        many = int(missing.sum() if shown is None else missing[shown].sum())
+        self.missed(int(missing.sum() if shown is None else missing[shown].sum()))
+
+    def missed(self, many: int) -> None:
+        """Note so many parts of splits that are not made."""
         rule = self.counted.rule
         self.reports.unfit[rule] = self.reports.unfit.get(rule, 0) + many
 

@@ -21,7 +21,7 @@ from ipmlang.geometry.solid import Solid, normals, rings_of
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.fields import TRIM
 from ipmlang.runtime.limits import Counted
-from ipmlang.runtime.queries.asking import Asking
+from ipmlang.runtime.queries.snapping import Snapping
 from ipmlang.runtime.scopes import boxes
 from ipmlang.runtime.scopes.boxes import SIZES, State, full
 from ipmlang.runtime.scopes.pieces import Batched
@@ -65,7 +65,7 @@ class Trims:
         return self.faces[0]
 
 
-class Trimming(Asking):
+class Trimming(Snapping):
     """The part of a run that knows which faces shapes came of."""
 
     def __init__(
