@@ -18,28 +18,32 @@ from ipmlang.formats.mesh_batches import world_triangles
 from ipmlang.runtime.export.models import mesh_scene_of
 
 Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
 TURN = 33.69  # degrees that a building is turned by: no part of it stays along an axis
 
 
-def triangles_of(path: Path) -> Floats:
-    """(t, 3, 3) all triangles that a grammar draws, in derivation order."""
+def model_of(path: Path) -> tuple[Floats, Integers]:
+    """Vertices (v, 3), each terminal's its own, and triangles (t, 3) that a grammar draws."""
     vertices, triangles = world_triangles(mesh_scene_of(ipmlang.load(path).run()), "z-up")[:2]
-    return np.asarray(vertices[triangles], np.float64)
+    return np.asarray(vertices, np.float64), np.asarray(triangles, np.int64)
 
 
-def disguised(triangles: Floats, seed: int, degrees: float) -> str:
+def disguised(vertices: Floats, triangles: Integers, seed: int, degrees: float, weld: bool) -> str:
     """The OBJ of the same triangles: shuffled, each from another of its corners on, turned about z
-    by an angle in degrees, moved.
+    by an angle in degrees, moved. weld: what stands in one place is one vertex, whosever it is.
     """
     draw = np.random.default_rng(seed)
     cosine, sine = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
     turn = np.array([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]])
-    moved = triangles[draw.permutation(len(triangles))] @ turn.T + [3.25, -1.5, 0.5]
-    first = draw.integers(0, 3, len(moved))
-    turned = moved[np.arange(len(moved))[:, None], (first[:, None] + np.arange(3)) % 3]
-    points, corners = np.unique(turned.reshape(-1, 3).round(9), axis=0, return_inverse=True)
+    points = (vertices @ turn.T + [3.25, -1.5, 0.5]).round(9)
+    corners = triangles[draw.permutation(len(triangles))]
+    first = draw.integers(0, 3, len(corners))
+    corners = corners[np.arange(len(corners))[:, None], (first[:, None] + np.arange(3)) % 3]
+    if weld:
+        points, same = np.unique(points, axis=0, return_inverse=True)
+        corners = same.reshape(-1)[corners]
     order = draw.permutation(len(points))
-    number = np.argsort(order)[corners].reshape(-1, 3) + 1
+    number = np.argsort(order)[corners] + 1
     lines = [f"v {x:.9f} {y:.9f} {z:.9f}" for x, y, z in points[order].tolist()]
     lines += [f"f {a} {b} {c}" for a, b, c in number.tolist()]
     return "\n".join(lines) + "\n"
