@@ -8,13 +8,17 @@ give the same keys and the same order.
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.compiler.ir import Limits, Program
 from ipmlang.runtime.scene import Scene
+
+if TYPE_CHECKING:
+    from ipmlang.runtime.lineage import Lineage
 
 BACKENDS = ("auto", "cpu")
 
@@ -27,12 +31,14 @@ def derive(
     backend: str = "cpu",
     limits: Limits | None = None,
     on: Path | str | None = None,
+    tell: Callable[[Lineage], None] | None = None,
 ) -> Scene:
     """Run a program: the same seed and attributes give the same scene, on any machine. Without a
     seed, which is seed 0, the choices that a program brings along are drawn again. A residual must
     fit what is drawn where neither seed nor attributes are given; else one that does not is left
     out, and the scene's notes say so. `on` is a file whose faces or closed paths (`town.obj`, or
-    with a node `town.svg#lots`) are what it starts on, whatever its own start stands on.
+    with a node `town.svg#lots`) are what it starts on, whatever its own start stands on. `tell` gets
+    the derivation tree, where shapes expand independently.
 
     Raises IpmError for attributes that do not fit, limits reached, and numbers that are not finite.
     """
@@ -63,7 +69,7 @@ def derive(
         replay = Replay(program, program.choices, strict=not attrs)
         scene = derive_string(program, values, 0, limits, replay)
     else:
-        scene = derive_frontier(program, values, seed or 0, limits) or derive_string(
+        scene = derive_frontier(program, values, seed or 0, limits, tell) or derive_string(
             program, values, seed or 0, limits
         )
     scene.seconds = time.process_time() - begun

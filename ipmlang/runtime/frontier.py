@@ -39,6 +39,7 @@ from ipmlang.runtime.single import Single
 from ipmlang.runtime.values import Batch, Bound, Scope
 
 if TYPE_CHECKING:
+    from ipmlang.runtime.lineage import Recorder
     from ipmlang.runtime.queries.occluders import Occluders
 
 NARROW = 24  # so few shapes run one by one
@@ -58,10 +59,12 @@ class Frontier(Trimming):
         limits: ir.Limits,
         steps: int | None,
         answers: Occluders | None = None,
+        recorder: Recorder | None = None,
     ) -> None:
         counted = Counted(bound.program, limits)
         super().__init__(bound.program, counted, AssetSolids(bound.program), answers)
         self.bound = bound
+        self._recorder = recorder
         self._initial = initial
         self.fields = tuple(initial)
         self.steps = steps
@@ -92,7 +95,7 @@ class Frontier(Trimming):
             if not self.pending.count:
                 self.enter(min(self._later))
                 self.pending = self._later.pop(self.phase)
-            if self.pending.count <= NARROW and not self.program.scoped:
+            if self.pending.count <= NARROW and not self.program.scoped and not self._recorder:
                 self._single.run()
             else:
                 (symbol, generation), shapes = self.pending.next()
@@ -121,6 +124,8 @@ class Frontier(Trimming):
             self.notes = found.notes
         numbers = np.arange(count, dtype=np.int32)
         first = Shapes(count, numbers, k0, k1, -1, params, tuple(state.values()))
+        if self._recorder is not None:
+            self._recorder.made(-1, -1, first)
         return self._noted(-1, first)
 
     # ------------------------------------------------------------------ batches
@@ -167,6 +172,8 @@ class Frontier(Trimming):
 
     def apply(self, number: int, shapes: Shapes) -> None:
         self.counted.at(number, shapes.numbers)
+        if self._recorder is not None:
+            self._recorder.applied(number, shapes.numbers)
         body = self.compiled.body(number)
         slots = body(
             self, number, shapes.count, shapes.k0, shapes.k1, *shapes.params, *shapes.state
@@ -248,6 +255,8 @@ class Frontier(Trimming):
         )
         self.counted.draw(count)
         self.check_drawn(chunk)
+        if self._recorder is not None:
+            self._recorder.drew(site, chunk)
         if self.asked is not None:
             self.note_drawn(whole, symbol, asset, own, (k0, k1, site, copies), rows)
         return self.note(chunk)
@@ -333,6 +342,8 @@ class Frontier(Trimming):
         k0, k1 = keys.child(plain.k0, plain.k1, site, *copies)
         numbers = np.arange(start, start + count, dtype=np.int32)
         made = Shapes(count, numbers, k0, k1, plain.rule, plain.params, plain.state)
+        if self._recorder is not None:
+            self._recorder.made(symbol, site, made)
         self._wait(symbol, made if site == keys.CHOICE_SITE else self._noted(symbol, made))
         return Made(start, count, rows)
 

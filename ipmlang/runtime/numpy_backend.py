@@ -8,7 +8,7 @@ Python costs more than it saves there.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from ipmlang.runtime import drawings
 from ipmlang.runtime.assemble import scene
 from ipmlang.runtime.fields import fields
 from ipmlang.runtime.frontier import Frontier
+from ipmlang.runtime.lineage import Lineage, Recorder
 from ipmlang.runtime.primitives import UnscannableError
 from ipmlang.runtime.scene import Scene
 from ipmlang.runtime.scopes.scoping import unfit_notes
@@ -30,25 +31,34 @@ TEXTUAL = frozenset({"polygon_open", "polygon_close", "vertex", "cut", "uniform"
 
 
 def derive_frontier(
-    program: ir.Program, attrs: Sequence[float], seed: int, limits: ir.Limits
+    program: ir.Program,
+    attrs: Sequence[float],
+    seed: int,
+    limits: ir.Limits,
+    tell: Callable[[Lineage], None] | None = None,
 ) -> Scene | None:
-    """Derive a program whose modules expand independently; None where they do not.
+    """Derive a program whose modules expand independently; None where they do not. `tell` gets the
+    derivation tree, which is kept for it alone.
 
     Raises IpmError where a limit is reached, no production applies, or a number is not finite.
     """
     if program.scoped:
         _refuse_threads(program)
-    elif not is_independent(program) or _modules(program) > LONG:
+    elif not is_independent(program) or (_modules(program) > LONG and tell is None):
         return None
     bound = Bound(program, attrs, FUNCTIONS)
     initial = fields(program)
-    frontier = Frontier(bound, initial, limits, steps_of(bound, seed))
+    recorder = None if tell is None else Recorder()
+    frontier = Frontier(bound, initial, limits, steps_of(bound, seed), None, recorder)
     with np.errstate(all="ignore"):  # what is not finite is an error, not a warning
         try:
             frontier.run(seed)
             if frontier.first_pass:
                 answers = frontier.occluders()
-                frontier = Frontier(bound, initial, limits, steps_of(bound, seed), answers)
+                recorder = None if tell is None else Recorder()
+                frontier = Frontier(
+                    bound, initial, limits, steps_of(bound, seed), answers, recorder
+                )
                 frontier.run(seed)
         except UnscannableError:
             if program.scoped:
@@ -61,6 +71,9 @@ def derive_frontier(
                 ) from None
             return None
         places = frontier.order.places(frontier.shapes, frontier.drawings)
+        if tell is not None and recorder is not None:
+            order, shapes = frontier.order, frontier.shapes
+            tell(recorder.lineage(order, frontier.fields, shapes, places))
         frontier.order.records.clear()
         rows = drawings.rows(
             program,
