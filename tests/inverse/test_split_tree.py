@@ -1,4 +1,4 @@
-"""The split tree of the 2016 paper: boxes in boxes, equal subtrees, subdivisions, and back again."""
+"""The split tree of the 2016 paper: boxes in boxes, equal subtrees, subdivisions, and back."""
 
 from __future__ import annotations
 
