@@ -41,21 +41,16 @@ class Edges:
 def edges_of(rings: Rings) -> Edges:
     """The edges, ring by ring; each begins at the point of its number."""
     counts = [len(ring) for ring in rings]
-    before, after, offset = [], [], 0
-    for count in counts:
-        number = np.arange(offset, offset + count)
-        before.append(np.roll(number, 1))
-        after.append(np.roll(number, -1))
-        offset += count
+    ends = np.cumsum(counts)
     start = np.concatenate(rings)
-    follows = np.concatenate(after)
+    number = np.arange(len(start))
+    before, follows = number - 1, number + 1
+    before[ends - counts], follows[ends - 1] = ends - 1, ends - counts
     step = start[follows] - start
     length = np.hypot(step[:, 0], step[:, 1])
     along = step / length[:, None]
     inward = np.stack([-along[:, 1], along[:, 0]], axis=1)
-    return Edges(
-        start, start[follows], along, inward, length, np.concatenate(before), follows, counts
-    )
+    return Edges(start, start[follows], along, inward, length, before, follows, counts)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

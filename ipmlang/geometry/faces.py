@@ -7,6 +7,7 @@ them: a box gives bottom, top, front, right, back, left.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from math import cos, radians, sin, sqrt
@@ -15,13 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.geometry.merging import merged_faces
-from ipmlang.geometry.pieces import Piece
+from ipmlang.geometry.pieces import Piece, numbered_rings
 from ipmlang.geometry.solid import (
     Floats,
     Indices,
     Solid,
     area_vectors,
     face_of_corners,
+    joined,
 )
 
 LOOKS = ("front", "back", "left", "right", "top", "bottom")
@@ -64,39 +66,46 @@ def faces(solid: Solid, merge: bool = False) -> list[Piece]:
     >>> [min(piece.words & set(LOOKS)) for piece in faces(unit_box())]
     ['bottom', 'top', 'front', 'right', 'back', 'left']
     """
-    if merge:
-        solid = merged_faces(solid)
-    vectors = area_vectors(solid)
-    axes = _axes(solid, vectors)
-    points = solid.vertices[solid.corners]
-    rings, starts = solid.rings.tolist(), solid.faces.tolist()
-    pieces = []
-    for face, number in enumerate(words_of(vectors).tolist()):
-        first, last = starts[face], starts[face + 1]
-        a, b = rings[first], rings[last]
-        single = Solid(
-            points[a:b],
-            *_numbering(tuple(rings[n] - a for n in range(first + 1, last + 1))),
-            (solid.tags[face],),
-            None if solid.uv is None else solid.uv[a:b],
-        )
-        pieces.append(Piece(_WORDS[number] | solid.tags[face], single, axes[face]))
-    return pieces
+    return faces_of([merged_faces(solid) if merge else solid])[0]
+
+
+def faces_of(solids: Sequence[Solid]) -> list[list[Piece]]:
+    """What `faces` gives of each of many solids, measured all together."""
+    if not solids:
+        return []
+    whole = joined(solids) if len(solids) > 1 else solids[0]
+    vectors = area_vectors(whole)
+    axes = _axes(whole, vectors)
+    numbers = words_of(vectors).tolist()
+    points = whole.vertices[whole.corners]
+    rings, starts = whole.rings.tolist(), whole.faces.tolist()
+    found: list[list[Piece]] = []
+    face = 0
+    for solid in solids:
+        begin = rings[starts[face]]
+        own: list[Piece] = []
+        for tags in solid.tags:
+            first, last = starts[face], starts[face + 1]
+            a, b = rings[first], rings[last]
+            numbering = numbered_rings(tuple(rings[n] - a for n in range(first + 1, last + 1)))
+            uv = None if solid.uv is None else solid.uv[a - begin : b - begin]
+            single = Solid(points[a:b], *numbering, (tags,), uv)
+            own.append(Piece(_words(numbers[face], tags), single, axes[face]))
+            face += 1
+        found.append(own)
+    return found
 
 
 @lru_cache(maxsize=512)
-def _numbering(ends: tuple[int, ...]) -> tuple[Indices, Indices, Indices]:
-    """Corners, rings and faces of one face whose rings end there; pieces share them."""
-    found = (np.arange(ends[-1]), np.array([0, *ends]), np.array([0, len(ends)]))
-    for each in found:
-        each.setflags(write=False)
-    return found
+def _words(number: int, tags: frozenset[str]) -> frozenset[str]:
+    """The words of a face that looks this way and bears these tags."""
+    return _WORDS[number] | tags
 
 
 def face_words(solid: Solid) -> list[frozenset[str]]:
     """The words of each face, its tags among them."""
     numbers = words_of(area_vectors(solid)).tolist()
-    return [_WORDS[number] | tags for number, tags in zip(numbers, solid.tags, strict=True)]
+    return [_words(number, tags) for number, tags in zip(numbers, solid.tags, strict=True)]
 
 
 def words_of(vectors: Floats) -> Indices:
@@ -159,10 +168,11 @@ def _bases(solid: Solid, level: NDArray[np.bool_]) -> Floats:
     long = np.sqrt(np.einsum("ij,ij->i", ahead, ahead))
     longest = np.maximum.reduceat(long, starts)
     middle = a[:, 2] + ahead[:, 2] / 2
-    middle[long <= _SAME * longest[face]] = np.inf  # what is next to nothing points nowhere
+    nothing = long <= _SAME * longest[face]  # what is next to nothing points nowhere
+    middle[nothing] = np.inf
     lowest = np.minimum.reduceat(middle, starts)
     low = middle <= (lowest + _SAME * longest)[face]
-    across = np.abs(ahead[:, 1]) + np.abs(ahead[:, 2]) <= _SAME * long
+    across = (np.abs(ahead[:, 1]) + np.abs(ahead[:, 2]) <= _SAME * long) & ~nothing
     score = long + np.where(np.where(level[face], across, low), 2 * longest[face], 0.0)
     score[_of_holes(solid)] = -1.0
     best = np.maximum.reduceat(score, starts)

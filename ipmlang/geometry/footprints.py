@@ -14,6 +14,7 @@ import numpy as np
 from ipmlang.geometry.rings import (
     Marks,
     Ring,
+    bends,
     loops_of,
     nest,
     repeated,
@@ -66,6 +67,54 @@ def footprint(rings: Sequence[Points]) -> tuple[list[Solid], list[str]]:
     return [_solid(points, face) for face in faces], notes
 
 
+def sound(rings: Sequence[Floats]) -> Marks:
+    """Which outlines without holes, points (n, 2) or (n, 3) each, are polygons as they stand: they
+    lie level, run counter-clockwise, and `footprint` would mend nothing. Looked at all together.
+
+    >>> sound([np.array([(0, 0), (2, 0), (0, 1)]), np.array([(0, 0), (1, 0), (2, 0), (0, 1)])])
+    array([ True, False])
+    """
+    import shapely
+
+    counts = np.array([len(ring) for ring in rings], np.int64)
+    found: Marks = counts >= 3
+    flat = [k for k in np.flatnonzero(found).tolist() if np.isfinite(rings[k]).all()]
+    found[:] = False
+    if not flat:
+        return found
+    counts = counts[flat]
+    points = np.concatenate([_in_space(rings[k]) for k in flat])
+    starts = np.cumsum(counts) - counts
+    low, high = np.minimum.reduceat(points, starts), np.maximum.reduceat(points, starts)
+    near = (high - low).max(axis=1) * SAME
+    xy = points[:, :2]
+    after, before = np.arange(1, len(xy) + 1), np.arange(-1, len(xy) - 1)
+    after[starts + counts - 1], before[starts] = starts, starts + counts - 1
+    good = bends(xy, xy[before], xy[after], np.repeat(near, counts))
+    ring_of = np.repeat(np.arange(len(counts)), counts)
+    shapes = shapely.polygons(shapely.linearrings(xy, indices=ring_of))
+    level = (high - low)[:, 2] <= near
+    area = np.add.reduceat(_crossed(xy - xy[starts][ring_of], after), starts) / 2
+    found[flat] = (
+        np.logical_and.reduceat(good, starts)
+        & level
+        & (area > near * near)
+        & shapely.is_valid(shapes)
+    )
+    return found
+
+
+def _in_space(ring: Floats) -> Floats:
+    return ring if ring.shape[1] == 3 else np.pad(ring, ((0, 0), (0, 1)))
+
+
+def _crossed(points: Floats, after: Indices) -> Floats:
+    """Twice the areas (n,) of triangles of the origin, a point and the one after it."""
+    x, y = points.T
+    found: Floats = x * y[after] - x[after] * y
+    return found
+
+
 def _names(count: int) -> list[str]:
     return ["the outline", *(f"hole {number}" for number in range(1, count))][:count]
 
@@ -77,7 +126,7 @@ def _points(ring: Points, name: str) -> Floats:
     if not np.isfinite(points).all():
         where = int(np.argmin(np.isfinite(points).all(axis=1)))
         raise GeometryError(f"point {where + 1} of {name} is not a number")
-    return points if points.shape[1] == 3 else np.pad(points, ((0, 0), (0, 1)))
+    return _in_space(points)
 
 
 def _numbered(rings: Sequence[Floats]) -> list[Indices]:

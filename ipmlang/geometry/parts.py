@@ -4,6 +4,6 @@ The way in; how each kind of part comes to its scope and its words stands in `fa
 """
 
 from ipmlang.geometry.edges import edges, vertices
-from ipmlang.geometry.faces import LOOKS, Scopes, face_scopes, face_words, faces
+from ipmlang.geometry.faces import LOOKS, Scopes, face_scopes, face_words, faces, faces_of
 
-__all__ = ["LOOKS", "Scopes", "edges", "face_scopes", "face_words", "faces", "vertices"]
+__all__ = ["LOOKS", "Scopes", "edges", "face_scopes", "face_words", "faces", "faces_of", "vertices"]

@@ -7,8 +7,11 @@ own. Which part a rule takes is not decided here.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
-from ipmlang.geometry.solid import Floats, Solid
+import numpy as np
+
+from ipmlang.geometry.solid import Floats, Indices, Solid
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -23,3 +26,14 @@ class Piece:
     words: frozenset[str]
     solid: Solid
     axes: Floats | None = None
+
+
+@lru_cache(maxsize=512)
+def numbered_rings(ends: tuple[int, ...]) -> tuple[Indices, Indices, Indices]:
+    """Corners, rings and faces of one face whose rings end there, whose vertices are numbered in
+    the order of its corners; parts share them.
+    """
+    found = (np.arange(ends[-1]), np.array([0, *ends]), np.array([0, len(ends)]))
+    for each in found:
+        each.setflags(write=False)
+    return found

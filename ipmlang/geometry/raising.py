@@ -25,9 +25,11 @@ from ipmlang.geometry.solid import (
     Indices,
     Solid,
     Tags,
+    alike,
     area_vectors,
     chosen,
     joined,
+    reshaped,
 )
 
 _ORDER = ("taper.bottom", "taper.top", "taper.side")
@@ -67,6 +69,42 @@ def extrude(
         )
     moved = solid.vertices + way * height
     return _prism(solid, moved, upward=float(rises.sum()) > 0, kind="extrude")
+
+
+def extrusions(
+    solids: Sequence[Solid], heights: Floats, directions: Floats | None = None
+) -> list[Solid | None]:
+    """What `extrude` makes of each of many polygons, by heights (n,) and directions (n, 3) or the
+    normals; None for what it refuses, and for solids of several faces.
+
+    >>> from ipmlang.geometry.solid import unit_square, volume
+    >>> [volume(each) for each in extrusions([unit_square()] * 2, np.array([3.0, 4.0])) if each]
+    [3.0, 4.0]
+    """
+    found: list[Solid | None] = [None] * len(solids)
+    for places, vertices in alike(solids):
+        one = solids[places[0]]
+        if len(one) != 1:
+            continue
+        vectors = area_vectors(joined([solids[place] for place in places]))
+        ways = vectors if directions is None else directions[places]
+        length = np.sqrt(np.einsum("ij,ij->i", ways, ways))
+        size = np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
+        high = heights[places]
+        with np.errstate(all="ignore"):
+            ways = ways / length[:, None]
+            rises = np.einsum("ij,ij->i", vectors, ways) * high
+            sound = (np.abs(rises) > 1e-9 * np.abs(high) * size) & np.isfinite(rises)
+            sound &= (length > 1e-9 * np.abs(vectors).sum(axis=1)) & (length > 0)
+        moved = vertices + (ways * high[:, None])[:, None]
+        both = np.concatenate([vertices, moved], axis=1)
+        for upward in (True, False):
+            some = np.flatnonzero(sound & ((rises > 0) == upward)).tolist()
+            if some:
+                prism = _prism(one, moved[some[0]], upward=upward, kind="extrude")
+                for row in some:
+                    found[places[row]] = reshaped(prism, both[row])
+    return found
 
 
 def _check_raised(vectors: Floats, length: float) -> None:

@@ -239,6 +239,19 @@ def spikes(points: Floats, near: float) -> Marks:
     return drop
 
 
+def bends(points: Floats, before: Floats, after: Floats, near: Floats) -> Marks:
+    """Which points (n, 2) a ring needs, by the points before and after each and how near is one
+    place: those that are neither `repeated` nor `spikes`, and do not lie on a straight line.
+    """
+    back, forth = before - points, after - points
+    lengths = np.stack([np.hypot(*back.T), np.hypot(*forth.T)])
+    width = np.abs(back[:, 0] * forth[:, 1] - back[:, 1] * forth[:, 0])
+    longer = np.maximum(lengths.max(axis=0), np.finfo(np.float64).tiny)
+    spike = (width / longer <= near) & ((back * forth).sum(axis=1) > 0)
+    found: Marks = (lengths[0] > near) & ~spike & (_off(points, before, after) > near)
+    return found
+
+
 def straight(points: Floats, near: float) -> Marks:
     """Which points of a ring lie within `near` of the straight line between those that stay."""
     back, forth = np.roll(points, 1, axis=0), np.roll(points, -1, axis=0)

@@ -26,17 +26,18 @@ from ipmlang.geometry.planar import (
     together,
     without,
 )
-from ipmlang.geometry.solid import Floats, GeometryError, Solid
+from ipmlang.geometry.solid import Floats, GeometryError, Indices, Solid
 from ipmlang.geometry.strips import moved_in, rest_area, strips_of
 
 SHAPE = frozenset({"shape", "inside", "rest", "remainder"})
 BORDER = frozenset({"border", "all"})
-_SIDES = {
-    "front": frozenset({"front"}),
-    "right": frozenset({"right", "side"}),
-    "back": frozenset({"back"}),
-    "left": frozenset({"left", "side"}),
-}
+SIDES = (
+    (frozenset({"front"}), "front"),
+    (frozenset({"right", "side"}), "side"),
+    (frozenset({"back"}), "back"),
+    (frozenset({"left", "side"}), "side"),
+)
+"""The sides of a scope: the words of each, and which distance is its."""
 EVEN = 1e-9
 """Edges whose normals are this near to a diagonal count as front or back."""
 
@@ -48,18 +49,20 @@ def classified_edges(polygon: Solid) -> list[frozenset[str]]:
     edges of a hole face into it.
     """
     rings, _ = opened(polygon, "an edge's side")
-    return [_SIDES[side] for side in _sides(edges_of(rings))]
+    return _words(edges_of(rings))
 
 
-def _sides(edges: Edges) -> list[str]:
+def _words(edges: Edges) -> list[frozenset[str]]:
+    sides: list[int] = sides_of(edges).tolist()
+    return [SIDES[side][0] for side in sides]
+
+
+def sides_of(edges: Edges) -> Indices:
+    """Which of SIDES each edge lies at (n,)."""
     x, y = -edges.inward.T
     upright = np.abs(y) >= np.abs(x) * (1 - EVEN)
-    return [
-        str(side)
-        for side in np.where(
-            upright, np.where(y < 0, "front", "back"), np.where(x < 0, "left", "right")
-        )
-    ]
+    found: Indices = np.where(upright, np.where(y < 0, 0, 2), np.where(x < 0, 3, 1))
+    return found
 
 
 def widths_of(
@@ -74,7 +77,7 @@ def widths_of(
                 f"the distance at the {name} is {width:g}, and must be 0 or more",
                 "offset moves edges outward",
             )
-    return np.array([by_side["side" if "side" in _SIDES[each] else each] for each in _sides(edges)])
+    return np.array([by_side[name] for _, name in SIDES])[sides_of(edges)]
 
 
 def setback(
@@ -104,9 +107,8 @@ def setback(
         widths = widths * _factor(rings, widths, area)
     found = strips_of(rings, widths)
     pieces = [Piece(SHAPE, closed([rest], plane)) for rest in found.rest]
-    for name, strips in zip(_sides(edges), found.strips, strict=True):
-        words = BORDER | _SIDES[name]
-        pieces.extend(Piece(words, closed([strip], plane)) for strip in strips)
+    for words, strips in zip(_words(edges), found.strips, strict=True):
+        pieces.extend(Piece(BORDER | words, closed([strip], plane)) for strip in strips)
     return pieces
 
 

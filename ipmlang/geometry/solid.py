@@ -136,12 +136,20 @@ def area_vectors(solid: Solid) -> Floats:
         return np.zeros((0, 3))
     after = np.arange(1, len(solid.corners) + 1)
     after[solid.rings[1:] - 1] = solid.rings[:-1]
-    points = solid.vertices - solid.vertices[solid.corners[0]]  # less is lost far from 0
-    x, y, z = points[solid.corners].T
+    starts = solid.rings[solid.faces[:-1]]
+    points = solid.vertices[solid.corners]
+    # less is lost far from 0, and a face's area is the same whatever else the solid has
+    first = points[0] if len(starts) == 1 else points[np.repeat(starts, _counts(solid, starts))]
+    x, y, z = (points - first).T
     u, v, w = x[after], y[after], z[after]
     cross = np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1)
-    found: Floats = np.add.reduceat(cross, solid.rings[solid.faces[:-1]], axis=0) / 2
+    found: Floats = np.add.reduceat(cross, starts, axis=0) / 2
     return found
+
+
+def _counts(solid: Solid, starts: Indices) -> Indices:
+    """How many corners each face has, from where each begins."""
+    return np.diff(starts, append=len(solid.corners))
 
 
 def normals(solid: Solid) -> Floats:
@@ -187,7 +195,36 @@ def placed(
     solid: Solid, scale: Floats | Sequence[float], offset: Floats | Sequence[float]
 ) -> Solid:
     """The solid scaled along the axes (factors of at least 0), then moved."""
-    return replace(solid, vertices=solid.vertices * np.asarray(scale) + np.asarray(offset))
+    return reshaped(solid, solid.vertices * np.asarray(scale) + np.asarray(offset))
+
+
+def reshaped(solid: Solid, vertices: Floats) -> Solid:
+    """The same faces over other vertices (v, 3); what `replace` gives, in a fifth of its time."""
+    return Solid(vertices, solid.corners, solid.rings, solid.faces, solid.tags, solid.uv)
+
+
+Makeup = tuple[int, bytes, bytes, bytes, Tags]
+
+
+def makeup(solid: Solid) -> Makeup:
+    """What two solids have in common that differ in the places of their vertices alone (and in
+    texture coordinates).
+    """
+    parts = (solid.corners.tobytes(), solid.rings.tobytes(), solid.faces.tobytes())
+    return (len(solid.vertices), *parts, solid.tags)
+
+
+def alike(solids: Sequence[Solid]) -> list[tuple[list[int], Floats]]:
+    """The solids by their make-up: the places of those that share one, and their vertices
+    (n, v, 3), so that all can be worked on at once.
+    """
+    groups: dict[Makeup, list[int]] = {}
+    for place, solid in enumerate(solids):
+        groups.setdefault(makeup(solid), []).append(place)
+    return [
+        (places, np.stack([solids[place].vertices for place in places]))
+        for places in groups.values()
+    ]
 
 
 def tagged(solid: Solid, *words: str) -> Solid:

@@ -8,6 +8,7 @@ of the polygon, by what each edge claims.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,11 +23,10 @@ from ipmlang.geometry.planar import (
     known_points,
     rings_area,
     shape_of,
-    signed_area,
     together,
     without,
 )
-from ipmlang.geometry.solid import Floats
+from ipmlang.geometry.solid import Floats, Indices
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,49 +75,103 @@ def moved_in(
     the polygon within have simple rings, they turn once around each of their points; their sum
     turns as often as the outer rings do, so they overlap nowhere and leave no gap.
     """
-    ends = ((corners.before[edges.after] - corners.own) * edges.along).sum(axis=1)
-    plain = not corners.juts.any() or bool((widths == widths[0]).all())
-    if (ends <= 0).any() or not (plain or held(edges, widths, corners).all()):
-        return None
-    rings: Rings = []
-    begin = 0
-    for count in edges.counts:
-        here = slice(begin, begin + count)
-        rings.append(_doubled(corners, here))
-        begin += count
-    way = -1 if outward else 1
-    areas = [way * signed_area(ring) for ring in rings]
-    if areas[0] <= 0 or max(areas[1:], default=-1.0) >= 0:
-        return None
+    whole = [len(edges.counts)]
+    return all_moved_in(edges, widths, corners, whole, outward=outward)[0]
+
+
+def all_moved_in(
+    edges: Edges,
+    widths: Floats,
+    corners: Corners,
+    polygons: Sequence[int],
+    *,
+    outward: bool = False,
+) -> list[Rings | None]:
+    """As `moved_in`, for many polygons at once, which have so many rings each."""
     import shapely
 
-    return rings if shapely.Polygon(rings[0], rings[1:]).is_valid else None
+    counts = np.array(edges.counts)
+    per_polygon = np.array(polygons)
+    rings = np.cumsum(per_polygon) - per_polygon
+    firsts = (np.cumsum(counts) - counts)[rings]
+    with np.errstate(invalid="ignore"):  # corners of strips that end early may lie nowhere
+        ends = ((corners.before[edges.after] - corners.own) * edges.along).sum(axis=1)
+    sound = np.logical_and.reduceat(ends > 0, firsts)
+    plain = ~np.logical_or.reduceat(corners.juts, firsts)
+    plain |= np.maximum.reduceat(widths, firsts) == np.minimum.reduceat(widths, firsts)
+    if not plain.all():
+        plain |= np.logical_and.reduceat(held(edges, widths, corners), firsts)
+    points, counts = _doubled(corners, counts)
+    stops = np.cumsum(counts)
+    with np.errstate(invalid="ignore"):
+        areas = _areas(points, stops - counts, counts) * (-1 if outward else 1)
+    right = areas < 0
+    right[rings] = areas[rings] > 0
+    sound &= plain & np.logical_and.reduceat(right, rings)
+    chosen = np.flatnonzero(sound)
+    if not len(chosen):
+        return [None] * len(polygons)
+    ring_of = np.repeat(np.arange(len(counts)), counts)
+    used = np.repeat(sound, per_polygon)
+    loops = shapely.linearrings(points[used[ring_of]], indices=_numbered(counts[used]))
+    shapes = shapely.polygons(loops, indices=_numbered(per_polygon[chosen]))
+    sound[chosen] = shapely.is_valid(shapes)
+    starts = (stops - counts).tolist()
+    return [
+        [points[starts[ring] : stops[ring]] for ring in range(first, first + many)]
+        if good
+        else None
+        for first, many, good in zip(
+            rings.tolist(), per_polygon.tolist(), sound.tolist(), strict=True
+        )
+    ]
 
 
-def _doubled(corners: Corners, here: slice) -> Floats:
-    """A ring with both points of the corners that are cut."""
-    cut = (corners.apart | corners.long)[here]
+def _numbered(counts: Indices) -> Indices:
+    """The number of the group of each of so many members."""
+    return np.repeat(np.arange(len(counts)), counts)
+
+
+def _areas(points: Floats, starts: Indices, counts: Indices) -> Floats:
+    """The signed areas of rings, twice."""
+    near = points - np.repeat(points[starts], counts, axis=0)
+    after = np.arange(1, len(points) + 1)
+    after[starts + counts - 1] = starts
+    x, y = near.T
+    found: Floats = np.add.reduceat(x * y[after] - x[after] * y, starts)
+    return found
+
+
+def _doubled(corners: Corners, counts: Indices) -> tuple[Floats, Indices]:
+    """The rings' points with both points of the corners that are cut, and how many each has."""
+    cut = corners.apart | corners.long
     if not cut.any():
-        return corners.own[here]
-    both = np.stack([corners.before[here], corners.own[here]], axis=1).reshape(-1, 2)
+        return corners.own, counts
+    both = np.stack([corners.before, corners.own], axis=1).reshape(-1, 2)
     keep = np.stack([cut, np.ones(len(cut), np.bool_)], axis=1)
-    return both[keep.reshape(-1)]
+    more = np.add.reduceat(cut.astype(np.int64), np.cumsum(counts) - counts)
+    return both[keep.reshape(-1)], counts + more
 
 
-def _plain(edges: Edges, widths: Floats, corners: Corners) -> list[list[Rings]]:
-    """Each strip a quadrilateral, with one point more where a mitre is cut off."""
+def plain_strips(edges: Edges, corners: Corners) -> tuple[Floats, Indices]:
+    """The outline of each edge's strip, one after the other, and how many points each has: a
+    quadrilateral, with one point more where a mitre is cut off.
+    """
     points = np.stack([
         edges.start, edges.end,
         corners.middle[edges.after], corners.before[edges.after], corners.own, corners.middle,
     ], axis=1)  # fmt: skip
     keep = np.ones((len(points), 6), np.bool_)
-    keep[:, 2] = keep[:, 5] = False
-    keep[:, 5] |= corners.long
-    keep[:, 2] |= corners.long[edges.after]
-    return [
-        [[quad[chosen]]] if width > 0 else []
-        for quad, chosen, width in zip(points, keep, widths, strict=True)
-    ]
+    keep[:, 2] = corners.long[edges.after]
+    keep[:, 5] = corners.long
+    return points[keep], keep.sum(axis=1)
+
+
+def _plain(edges: Edges, widths: Floats, corners: Corners) -> list[list[Rings]]:
+    """The strips that are as wide as they should be all along."""
+    points, counts = plain_strips(edges, corners)
+    rings = np.split(points, np.cumsum(counts)[:-1])
+    return [[[ring]] if width > 0 else [] for ring, width in zip(rings, widths, strict=True)]
 
 
 # --- strips that end early ------------------------------------------------------------------------

@@ -8,13 +8,13 @@ together; only what is none goes to the pool by itself.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.geometry.pieces import Piece
-from ipmlang.geometry.solid import Floats
+from ipmlang.geometry.solid import Floats, reshaped
 from ipmlang.runtime.scopes import boxes
 from ipmlang.runtime.scopes.pool import SNAP, Pool
 
@@ -57,10 +57,13 @@ def framed(pool: Pool, pieces: Sequence[Piece]) -> Framed:
     size = np.maximum.reduceat(turned, starts, axis=0) - low
     size[size <= SNAP * size.max(axis=1, keepdims=True)] = 0.0
     geometry = _rectangles(pool, pieces, turned, starts, low, size)
-    for place in np.flatnonzero(np.isnan(geometry)).tolist():
-        own = turned[starts[place] : starts[place] + many[place]]
-        solid = replace(pieces[place].solid, vertices=own)
-        geometry[place] = pool.within(solid, low[place], size[place])
+    others = np.flatnonzero(np.isnan(geometry))
+    ends = starts + many
+    solids = [
+        reshaped(pieces[place].solid, turned[starts[place] : ends[place]])
+        for place in others.tolist()
+    ]
+    geometry[others] = pool.all_within(solids, low[others], size[others])
     corner = np.einsum("pi,pij->pj", low, axes)
     return Framed(corner, boxes.quaternion(axes), size, geometry)
 

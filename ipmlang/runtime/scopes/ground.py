@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from ipmlang.compiler import ir
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail, nearest
 from ipmlang.formats import FormatError
-from ipmlang.geometry.footprints import footprint
+from ipmlang.geometry.footprints import footprint, sound
 from ipmlang.geometry.pieces import Piece
-from ipmlang.geometry.solid import Floats, GeometryError, Solid, normals, ring_points
+from ipmlang.geometry.solid import Floats, GeometryError, Solid, joined, normals, polygon
 from ipmlang.runtime import keys
 from ipmlang.runtime.bind import evaluated
 from ipmlang.runtime.scopes.framing import framed
@@ -180,11 +180,18 @@ def _faces(path: Path, node: str | None) -> list[Lot]:
 
 def _outlines(lots: Sequence[Lot], pool: Pool, name: str, *, many: bool) -> Standing:
     """Scopes on outlines with holes: x along the first edge, z out of the face."""
-    pieces: list[Piece] = []
+    made: list[Solid] = []
     owners: list[tuple[int, int]] = []
     mends: dict[str, list[int]] = {}
     errors: list[IpmError] = []
+    alone = [len(lot.rings) == 1 and lot.trouble is None for lot in lots]
+    rings = [lot.rings[0] for lot, single in zip(lots, alone, strict=True) if single]
+    plain = iter(sound(rings).tolist())
     for number, lot in enumerate(lots):
+        if alone[number] and next(plain):
+            owners.append((number, 0))
+            made.append(polygon(lot.rings[0]))
+            continue
         if many and _is_empty(lot.rings[0]):
             mends.setdefault("a shape without any area left out", []).append(number)
             continue
@@ -200,12 +207,12 @@ def _outlines(lots: Sequence[Lot], pool: Pool, name: str, *, many: bool) -> Stan
         for each in mended:
             mends.setdefault(each, []).append(number)
         owners += [(number, piece) for piece in range(len(solids))]
-        pieces += [_piece(solid) for solid in solids]
+        made += solids
     if errors:
         raise IpmError([each.diagnostics[0] for each in _fewer(errors, name)])
-    if not pieces:
+    if not made:
         raise fail("bad-ground", f"no shape in {name} has any area")
-    found = framed(pool, pieces)
+    found = framed(pool, _pieces(made))
     notes = tuple(_told(name, note, numbers, many) for note, numbers in mends.items())
     return Standing(
         found.corner,
@@ -243,13 +250,17 @@ def _fewer(errors: list[IpmError], name: str) -> list[IpmError]:
     return [*errors[:MANY], fail("bad-ground", f"{name}: and {more:,} more shapes like these")]
 
 
-def _piece(solid: Solid) -> Piece:
-    """A polygon with axes of its own: x along its first edge, z out of it."""
-    z = normals(solid)[0]
-    first, second = ring_points(solid, 0)[0][:2]
-    x = (second - first) - z * ((second - first) @ z)
-    x /= np.linalg.norm(x)
-    return Piece(frozenset(), solid, np.stack([x, np.cross(z, x), z]))
+def _pieces(solids: Sequence[Solid]) -> list[Piece]:
+    """Polygons with axes of their own: x along the first edge, z out of it."""
+    whole = joined(solids)
+    z = normals(whole)
+    begin = whole.rings[whole.faces[:-1]]
+    first, second = whole.vertices[whole.corners[begin]], whole.vertices[whole.corners[begin + 1]]
+    along = second - first
+    x = along - z * np.einsum("ij,ij->i", along, z)[:, None]
+    x /= np.sqrt(np.einsum("ij,ij->i", x, x))[:, None]
+    axes = np.stack([x, np.cross(z, x), z], axis=1)
+    return [Piece(frozenset(), *each) for each in zip(solids, axes, strict=True)]
 
 
 def first_keys(seed: int, standing: Standing) -> tuple[keys.Words, keys.Words]:

@@ -7,7 +7,7 @@ that none takes vanish. Nothing here makes children.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,15 +15,16 @@ from numpy.typing import NDArray
 
 from ipmlang.compiler import ir
 from ipmlang.geometry.pieces import Piece
-from ipmlang.geometry.solid import Floats, GeometryError, Solid
+from ipmlang.geometry.solid import Floats, GeometryError
 from ipmlang.runtime import keys
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.keys import Words
 from ipmlang.runtime.scopes import boxes
 from ipmlang.runtime.scopes.boxes import FACE_QUATERNIONS, FACES, FLAT_FACE, SIZES, State
+from ipmlang.runtime.scopes.dividing import cell_counts, parts_of
 from ipmlang.runtime.scopes.framing import Framed, framed, joined
 from ipmlang.runtime.scopes.pool import BOX, NOTHING
-from ipmlang.runtime.scopes.shaping import Given, Value
+from ipmlang.runtime.scopes.shaping import Given
 from ipmlang.runtime.scopes.tables import Table, distinct, table
 
 Numbers = NDArray[np.int64]
@@ -71,37 +72,21 @@ AHEAD: Mapping[str, Callable[[Given], Floats]] = {"subdivide": _cell_total, "sca
 def apart(use: Apart) -> list[Batched]:
     """The pieces that each selector takes."""
     given = use.given
-    if given.name == "scatter":
-        return _scattered(use)
+    columnar = COLUMNAR.get(given.name)
+    made = None if columnar is None else columnar(use)
+    if made is not None:
+        return made
     sizes = [use.state[name] for name in SIZES]
     kinds = table(use.shown, given.count, use.state["geo"], *sizes, *given.args)
-    if given.name == "comp" and _all_boxes(use) and _of_faces(given):
-        return _boxes_apart(use)
-    if given.name == "subdivide" and np.all(np.asarray(use.state["geo"]) == BOX):
-        grids = [
-            _grid(np.array(size[:3]), _cell_counts(np.array(size[:3]), given.resolved(size[3:])))
-            for _, *size in kinds.rows()
-        ]
-        whole = frozenset({"all"})
-        return _spread(use, kinds, joined(grids), [[whole] * len(own.size) for own in grids])
-    pieces: list[list[Piece]] = []
-    for number, *size in kinds.rows():
-        own: list[Piece] = []
-        if number != NOTHING:
-            extents = np.array(size[:3])
-            solid = given.pool.local(int(number), extents)
-            own = APART[given.name](solid, extents, *given.resolved(size[3:]))
-        pieces.append(own)
+    pieces: list[list[Piece]] = [[] for _ in kinds.first]
+    rows = [(place, row) for place, row in enumerate(kinds.rows()) if row[0] != NOTHING]
+    extents = np.array([row[1:4] for _, row in rows]).reshape(-1, 3)
+    solids = given.pool.all_local([int(row[0]) for _, row in rows], extents)
+    values = [given.resolved(row[4:]) for _, row in rows]
+    for (place, _), own in zip(rows, parts_of(given.name, solids, extents, values), strict=True):
+        pieces[place] = own
     found = framed(given.pool, [piece for own in pieces for piece in own])
     return _spread(use, kinds, found, [[piece.words for piece in own] for own in pieces])
-
-
-def _of_faces(given: Given) -> bool:
-    return not given.args or given.word(0) in (None, "faces")
-
-
-def _all_boxes(use: Apart) -> bool:
-    return bool(np.all(use.given.pool.are_boxes(use.state["geo"])))
 
 
 # ------------------------------------------------------------------------------ selecting
@@ -151,9 +136,13 @@ def _taken(selectors: Sequence[ir.Const], words: Sequence[frozenset[str]]) -> li
 # ---------------------------------------------------------------------------- faces of boxes
 
 
-def _boxes_apart(use: Apart) -> list[Batched]:
-    """The faces of shapes that fill their scopes, as columns."""
-    count = use.given.count
+def _boxes_apart(use: Apart) -> list[Batched] | None:
+    """The faces of shapes that fill their scopes, as columns; None where others are among them."""
+    given, count = use.given, use.given.count
+    if not np.all(given.pool.are_boxes(use.state["geo"])):
+        return None
+    if given.args and given.word(0) not in (None, "faces"):
+        return None
     rows = np.arange(count) if use.shown is None else use.shown
     sizes = np.stack([boxes.full(use.state[name], count)[rows] for name in SIZES], axis=1)
     numbers = boxes.full(use.state["geo"], count)[rows].astype(np.int64)
@@ -320,89 +309,19 @@ def _draws(use: Apart, rows: Numbers, counts: Numbers) -> Floats:
     return np.stack([keys.uniform(first, second, axis, steps) for axis in range(3)], axis=1)
 
 
-# --------------------------------------------------------------------- bodies, by operation
-
-
-def _comp(solid: Solid, size: Floats, of: Value = None) -> list[Piece]:
-    from ipmlang.geometry import parts
-
-    match of:
-        case "edges":
-            return parts.edges(solid)
-        case "vertices":
-            return parts.vertices(solid)
-        case _:
-            return parts.faces(solid)
-
-
-def _setback(
-    solid: Solid,
-    size: Floats,
-    distance: Value,
-    front: Value,
-    side: Value,
-    back: Value,
-    area: Value,
-) -> list[Piece]:
-    from ipmlang.geometry.setbacks import setback
-
-    if area is not None and distance == 0 and front is side is back is None:
-        distance = 1.0  # the area says how far; all edges move alike
-    return setback(solid, _given(distance), front=_maybe(front), side=_maybe(side),
-                   back=_maybe(back), area=_maybe(area))  # fmt: skip
-
-
-def _offset(solid: Solid, size: Floats, distance: Value) -> list[Piece]:
-    from ipmlang.geometry.setbacks import offset
-
-    return offset(solid, _given(distance))
-
-
-def _inner_rect(solid: Solid, size: Floats) -> list[Piece]:
-    from ipmlang.geometry.rectangles import inner_rect
-
-    return inner_rect(solid)
-
-
-def _arms(name: str) -> Callable[..., list[Piece]]:
-    def body(solid: Solid, size: Floats, *widths: Value) -> list[Piece]:
-        from ipmlang.geometry import arms
-
-        make: Callable[..., list[Piece]] = getattr(arms, name)
-        return make(solid, *(_given(each) for each in widths))
-
-    return body
-
-
-def _octant(solid: Solid, size: Floats, x: Value, y: Value, z: Value, octant: Value) -> list[Piece]:
-    """q = 1 + [x > vx] + 2 [y > vy] + 4 [z > vz]."""
-    number = int(_given(octant))
-    if not 1 <= number <= 8:
-        raise GeometryError(f"there is no octant {number}", "octants are numbered 1 to 8")
-    bits = number - 1
-    spans = []
-    for axis, point in enumerate((x, y, z)):
-        at = float(np.clip(_given(point), 0.0, size[axis]))
-        spans.append((at, float(size[axis])) if bits >> axis & 1 else (0.0, at))
-    return list(_cells(solid, size, [spans]))
-
-
-def _subdivide(solid: Solid, size: Floats, nx: Value, ny: Value, nz: Value) -> list[Piece]:
-    counts = _cell_counts(size, (nx, ny, nz))
-    edges = [np.linspace(0.0, size[axis], count + 1) for axis, count in enumerate(counts)]
-    spans = [
-        [tuple(edges[axis][place : place + 2]) for axis, place in enumerate((i, j, k))]
-        for k in range(counts[2])
-        for j in range(counts[1])
-        for i in range(counts[0])
+def _grids(use: Apart) -> list[Batched] | None:
+    """The cells of plain boxes, which are boxes; None where others are among them."""
+    given = use.given
+    if not np.all(np.asarray(use.state["geo"]) == BOX):
+        return None
+    sizes = [use.state[name] for name in SIZES]
+    kinds = table(use.shown, given.count, use.state["geo"], *sizes, *given.args)
+    grids = [
+        _grid(np.array(size[:3]), cell_counts(np.array(size[:3]), given.resolved(size[3:])))
+        for _, *size in kinds.rows()
     ]
-    return list(_cells(solid, size, spans))
-
-
-def _cell_counts(size: Floats, args: Sequence[Value]) -> list[int]:
-    """How many cells there are along each axis: one where there is no extent."""
-    counts = [max(int(_given(each)), 1) for each in args]
-    return [count if size[axis] > 0 else 1 for axis, count in enumerate(counts)]
+    whole = frozenset({"all"})
+    return _spread(use, kinds, joined(grids), [[whole] * len(own.size) for own in grids])
 
 
 def _grid(size: Floats, counts: Sequence[int]) -> Framed:
@@ -414,42 +333,9 @@ def _grid(size: Floats, counts: Sequence[int]) -> Framed:
     return Framed(places * cell, turn, np.tile(cell, (many, 1)), np.full(many, float(BOX)))
 
 
-def _cells(
-    solid: Solid, size: Floats, spans: Sequence[Sequence[tuple[float, float]]]
-) -> Iterator[Piece]:
-    """The parts of a geometry in boxes of its scope."""
-    from ipmlang.geometry.slabs import slab
-
-    for box in spans:
-        part: Solid | None = solid
-        for axis, (low, high) in enumerate(box):
-            if size[axis] <= 0 or (low <= 0 and high >= size[axis]):
-                continue
-            if high - low <= 1e-9 * size[axis] or part is None:
-                part = None
-                break
-            part = slab(part, axis, low, high)
-        if part is not None and len(part):
-            yield Piece(frozenset({"all"}), part)
-
-
-def _given(value: Value) -> float:
-    assert isinstance(value, float)
-    return value
-
-
-def _maybe(value: Value) -> float | None:
-    return None if value is None else _given(value)
-
-
-APART: Mapping[str, Callable[..., list[Piece]]] = {
-    "comp": _comp,
-    "setback": _setback,
-    "offset": _offset,
-    "innerRect": _inner_rect,
-    "shapeL": _arms("shape_l"),
-    "shapeU": _arms("shape_u"),
-    "shapeO": _arms("shape_o"),
-    "octant": _octant,
-    "subdivide": _subdivide,
+# bodies that work on columns, and come first; they give None where they cannot serve
+COLUMNAR: Mapping[str, Callable[[Apart], list[Batched] | None]] = {
+    "comp": _boxes_apart,
+    "scatter": _scattered,
+    "subdivide": _grids,
 }

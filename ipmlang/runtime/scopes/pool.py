@@ -7,8 +7,9 @@ all of its operations are arithmetic on columns. No shape is known here.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +17,12 @@ from numpy.typing import NDArray
 from ipmlang.geometry.solid import (
     Floats,
     Solid,
+    alike,
     area_vectors,
     bounds,
+    makeup,
     placed,
+    reshaped,
     tagged,
     unit_box,
     unit_square,
@@ -99,7 +103,7 @@ class Pool:
         if not self._boxes[number]:
             assert solid is not None
             return solid
-        made = unit_box() if flat is None else _rectangle(flat)
+        made = _filling(flat)
         if solid is not None and len(solid) == len(made):
             return replace(made, tags=solid.tags)
         if solid is not None and solid.tags:
@@ -108,11 +112,20 @@ class Pool:
 
     def local(self, number: int, size: Floats) -> Solid:
         """A geometry in the coordinates of a scope of this size (3,)."""
-        none = np.flatnonzero(size <= 0)
-        if len(none) > 1 and self._boxes[number]:
-            return placed(unit_square(), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-        solid = self.unit(number, int(none[0]) if len(none) else None)
-        return placed(solid, size, (0.0, 0.0, 0.0))
+        return self.all_local([number], size[None])[0]
+
+    def all_local(self, numbers: Sequence[int], sizes: Floats) -> list[Solid]:
+        """Geometries in the coordinates of scopes of these sizes (n, 3)."""
+        none = sizes <= 0
+        many, first = none.sum(axis=1).tolist(), none.argmax(axis=1).tolist()
+        found = []
+        for number, size, lost, axis in zip(numbers, sizes, many, first, strict=True):
+            if lost > 1 and self._boxes[number]:
+                found.append(placed(unit_square(), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
+                continue
+            solid = self.unit(number, axis if lost else None)
+            found.append(reshaped(solid, solid.vertices * size))
+        return found
 
     def asset_bounds(self, asset: int) -> tuple[Floats, Floats]:
         """The box of an asset's geometry, as its file has it."""
@@ -141,20 +154,37 @@ class Pool:
 
     def within(self, solid: Solid, low: Floats, size: Floats) -> int:
         """The number of a solid whose scope is the box of this corner and size."""
-        if not len(solid):
+        return int(self.all_within([solid], low[None], size[None])[0])
+
+    def all_within(self, solids: Sequence[Solid], low: Floats, size: Floats) -> Floats:
+        """The numbers (n,) of solids whose scopes are boxes of these corners and sizes (n, 3)."""
+        found = np.zeros(len(solids))
+        units: list[tuple[Solid, bytes, bool]] = [(each, b"", False) for each in solids]
+        for places, vertices in alike(solids):
+            vertices -= low[places, None]
+            own = size[places, None]
+            vertices /= np.where(own > 0, own, 1.0)
+            for bound in (0.0, 1.0):
+                vertices[np.abs(vertices - bound) <= SNAP] = bound
+            vertices[np.broadcast_to(own <= 0, vertices.shape)] = 0.0
+            whole = ((vertices == 0.0) | (vertices == 1.0)).all(axis=(1, 2))
+            rounded = np.round(vertices, 9)
+            for row, place in enumerate(places):
+                unit = reshaped(solids[place], vertices[row])
+                units[place] = (unit, rounded[row].tobytes(), bool(whole[row]))
+        for place, (unit, places_bytes, at_bounds) in enumerate(units):
+            found[place] = self._unit(unit, places_bytes, at_bounds, size[place])
+        return found
+
+    def _unit(self, unit: Solid, rounded: bytes, at_bounds: bool, size: Floats) -> int:
+        """The number of a solid in its unit box."""
+        if not len(unit):
             return NOTHING
-        vertices = (solid.vertices - low) / np.where(size > 0, size, 1.0)
-        for bound in (0.0, 1.0):
-            vertices[np.abs(vertices - bound) <= SNAP] = bound
-        vertices[:, size <= 0] = 0.0
-        unit = replace(solid, vertices=vertices)
-        box = self._as_box(unit, size)
+        box = self._as_box(unit, size) if at_bounds else None
         if box is not None:
             return box
         uv = b"" if unit.uv is None else unit.uv.tobytes()
-        parts = (unit.corners, unit.rings, unit.faces)
-        key = (np.round(vertices, 9).tobytes(), *(each.tobytes() for each in parts), unit.tags, uv)
-        return self._number(key, unit, SOLID, box=False)
+        return self._number((rounded, makeup(unit), uv), unit, SOLID, box=False)
 
     def asset(self, asset: int) -> int:
         """The number of an asset that fills its scope."""
@@ -178,12 +208,12 @@ class Pool:
         return found
 
     def _as_box(self, unit: Solid, size: Floats) -> int | None:
-        """The number of a solid that is a whole box or rectangle, without texture coordinates."""
+        """The number of a solid that is a whole box or rectangle, without texture coordinates; all
+        its vertices are at corners of the unit box.
+        """
         flat = np.flatnonzero(size <= 0)
         shape = (len(flat), len(unit), len(unit.corners))
         if unit.uv is not None or shape not in ((1, 1, 4), (0, 6, 24)):
-            return None
-        if not ((unit.vertices == 0.0) | (unit.vertices == 1.0)).all():
             return None
         if len(flat):
             return self._as_rectangle(unit, int(flat[0]))
@@ -229,6 +259,12 @@ def _is_across(solid: Solid) -> bool:
     if not len(solid) or solid.vertices[:, 2].any():
         return False
     return bool((area_vectors(solid)[:, 2] > 0).all())
+
+
+@cache
+def _filling(flat: int | None) -> Solid:
+    """What fills a scope: a box, or a rectangle where there is an axis without extent."""
+    return unit_box() if flat is None else _rectangle(flat)
 
 
 def _rectangle(flat: int) -> Solid:

@@ -30,7 +30,8 @@ from ipmlang.runtime.scopes.framing import framed
 from ipmlang.runtime.scopes.laying import READY, SETUP, Laying, LayingError
 from ipmlang.runtime.scopes.pieces import AHEAD, Apart, Batched, apart
 from ipmlang.runtime.scopes.pool import BOX, NOTHING, SNAP, Load, Pool
-from ipmlang.runtime.scopes.shaping import FAST, SHAPES, Given, Shaped
+from ipmlang.runtime.scopes.reshaping import shaped
+from ipmlang.runtime.scopes.shaping import FAST, Given
 from ipmlang.runtime.scopes.tables import distinct, table
 
 Floats = NDArray[np.float64]
@@ -241,7 +242,7 @@ class Scoping(Copying):
                 made = fast(given, state)
                 if made is not None:
                     return {**state, **made}
-            return self._solid(SHAPES[name], given, state, shown)
+            return self._solid(given, state, shown)
 
     def _by_text(self, name: str, place: int, given: Given, state: State, shown: Rows) -> State:
         """The same where shapes give different words: one after the other."""
@@ -262,9 +263,7 @@ class Scoping(Copying):
             return arg
         return np.where(self.mask(shown, count), arg, arg[shown[0]])
 
-    def _solid(
-        self, shape: Callable[..., Shaped], given: Given, state: State, shown: Rows
-    ) -> State:
+    def _solid(self, given: Given, state: State, shown: Rows) -> State:
         """The same where geometries must be worked on; nothing comes of nothing."""
         count = given.count
         shown = self.some(state["geo"], count, shown)
@@ -273,21 +272,22 @@ class Scoping(Copying):
         world = boxes.world_axes(state, count, given.world) if given.world else np.zeros((count, 0))
         sizes = [state[name] for name in SIZES]
         kinds = table(shown, count, state["geo"], *sizes, *world.T, *given.args)
-        pieces = []
-        for number, *values in kinds.rows():
-            rest = values[3:]
-            toward = np.array(rest[: world.shape[1]])
-            own = given.resolved(rest[world.shape[1] :])
-            one = shape(self.pool.local(int(number), np.array(values[:3])), toward, *own)
-            pieces.append(Piece(frozenset(), one.solid, one.axes))
+        rows = np.stack([column[kinds.first] for column in kinds.columns], axis=1)
+        ways = rows[:, 4 : 4 + world.shape[1]]
+        values = [given.resolved(row) for row in rows[:, 4 + world.shape[1] :].tolist()]
+        solids = self.pool.all_local(rows[:, 0].astype(int).tolist(), rows[:, 1:4])
+        pieces = [
+            Piece(frozenset(), each.solid, each.axes)
+            for each in shaped(given.name, solids, ways, values)
+        ]
         made = framed(self.pool, pieces)
         found = np.concatenate([made.corner, made.turn, made.size, made.geometry[:, None]], axis=1)
         blank = np.array((*np.zeros(3), 1.0, *np.zeros(7)))
-        rows = kinds.spread(found, blank, count)
-        changed: State = dict(boxes.moved(state, (rows[:, 0], rows[:, 1], rows[:, 2])))
+        own = kinds.spread(found, blank, count)
+        changed: State = dict(boxes.moved(state, (own[:, 0], own[:, 1], own[:, 2])))
         if given.turns:
-            changed.update(boxes.turned(state, tuple(rows[:, 3:7].T)))
-        changed.update(zip((*SIZES, "geo"), rows[:, 7:].T, strict=True))
+            changed.update(boxes.turned(state, tuple(own[:, 3:7].T)))
+        changed.update(zip((*SIZES, "geo"), own[:, 7:].T, strict=True))
         if shown is not None:
             there = self.mask(shown, count)
             changed.update((name, np.where(there, changed[name], state[name])) for name in SIZES)
