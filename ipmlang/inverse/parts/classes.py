@@ -1,0 +1,144 @@
+"""Which parts are one shape, and where each stands.
+
+Takes pieces; gives classes of equal parts with a representative each and the map to every member,
+as plain as the class's symmetry allows. Every placement is proved; parts that only look alike are
+told apart.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipmlang.inverse.frames import Floats, Integers
+from ipmlang.inverse.parts.aligning import SelfMaps, aligned, self_maps, turns
+from ipmlang.inverse.parts.copies import Model, model_of, stacked
+from ipmlang.inverse.parts.invariants import alike, centers
+from ipmlang.inverse.parts.pieces import Pieces
+from ipmlang.inverse.parts.plainest import plainest, snapped
+
+MOST_SYMMETRY = 192
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ShapeClass:
+    """Equal parts. rows (k,): which; model: the row that stands for all; linear (k, 3, 3): from the
+    model to each, about their centres; symmetry (s, 3, 3): of the model about its centre; whole:
+    whether that is all of it; misfit (k,).
+    """
+
+    rows: Integers
+    model: int
+    linear: Floats
+    symmetry: Floats
+    whole: bool
+    misfit: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Classes:
+    """shape (n,) into classes; center (n, 3) of each part."""
+
+    shape: Integers
+    center: Floats
+    classes: tuple[ShapeClass, ...]
+
+
+def classified(pieces: Pieces, tolerance: float) -> Classes:
+    """The classes of all parts, in the order of their first members. tolerance: how far apart
+    vertices of equal parts may be, a length.
+    """
+    center = centers(pieces)
+    found: list[ShapeClass] = []
+    for group in alike(pieces, center, tolerance):
+        rest = group
+        while len(rest):
+            one, rest = _first_class(pieces, center, rest, tolerance)
+            found.append(one)
+    found.sort(key=lambda each: int(each.rows[0]))
+    shape = np.zeros(len(pieces), np.int64)
+    for number, each in enumerate(found):
+        shape[each.rows] = number
+    return Classes(shape, center, tuple(found))
+
+
+def _first_class(
+    pieces: Pieces, center: Floats, rows: Integers, tolerance: float
+) -> tuple[ShapeClass, Integers]:
+    """The class of the first of the rows, and the rows that are not of it."""
+    copies = stacked(pieces, center, rows)
+    model = model_of(copies, 0, tolerance)
+    own = self_maps(model, MOST_SYMMETRY)
+    if len(rows) == 1:
+        whole = ShapeClass(rows, int(rows[0]), np.eye(3)[None], own.linear, own.whole, np.zeros(1))
+        return whole, rows[:0]
+    alignment = aligned(model, copies)
+    members = np.flatnonzero(alignment.found)
+    points = np.take_along_axis(copies.points[members], alignment.places[members][..., None], 1)
+    fitted = _Fitted(points, alignment.linear[members])
+    return _settled(model, own, fitted, rows[members]), rows[~alignment.found]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Fitted:
+    """Members on the model: points (k, v, 3), those of each that stand for the model's; linear
+    (k, 3, 3), what brings the model's there.
+    """
+
+    points: Floats
+    linear: Floats
+
+
+def _settled(model: Model, own: SelfMaps, members: _Fitted, rows: Integers) -> ShapeClass:
+    """The class with the member that stands best for all, and the plainest maps from it."""
+    near = model.tolerance / max(float(np.abs(model.copies.points).max()), 1e-300)
+    first = _plainest(members, own.linear, own.places, near)
+    chosen = _representative(first, model.tolerance)
+    outward = first.linear[chosen]
+    symmetry = outward @ own.linear @ outward.T
+    from_chosen = _Fitted(first.points, first.linear @ outward.T)
+    last = _plainest(from_chosen, symmetry, own.places, near)
+    linear, misfit = _exact(last, first.points[chosen], near, model.tolerance)
+    return ShapeClass(rows, int(rows[chosen]), linear, symmetry, own.whole, misfit)
+
+
+def _plainest(members: _Fitted, symmetry: Floats, places: Integers, near: float) -> _Fitted:
+    linear, which = plainest(members.linear, symmetry, near)
+    return _Fitted(np.take_along_axis(members.points, places[which][..., None], 1), linear)
+
+
+def _representative(members: _Fitted, tolerance: float) -> int:
+    """The member turned as most are, of equally many the tightest in its box; of these the one in
+    the middle, of equal ones the first.
+    """
+    turned = np.rint(members.linear.reshape(-1, 9) * 1e3)
+    _, kind, count = np.unique(turned, axis=0, return_inverse=True, return_counts=True)
+    often = count[kind.reshape(-1)]
+    box = np.ptp(members.points, axis=1).sum(axis=1)
+    box = np.round(box / max(box.max(), 1e-300), 4)
+    laid = members.points @ members.linear
+    apart = np.linalg.norm(laid - laid.mean(axis=0), axis=2).max(axis=1)
+    apart = np.rint(apart / (tolerance / 4))
+    return int(np.lexsort([np.arange(len(box)), apart, box, -often])[0])
+
+
+def _exact(
+    members: _Fitted, model: Floats, near: float, tolerance: float
+) -> tuple[Floats, Floats]:
+    """Whole numbers where they hold, else the maps of least squares; and what is left (k,)."""
+    own = np.broadcast_to(model, members.points.shape)
+    sign = np.sign(np.linalg.det(members.linear))
+    linear, misfit = members.linear, _misfit(members.points, members.linear, model)
+    for other in (turns(own, members.points, sign), snapped(linear, near)):
+        off = _misfit(members.points, other, model)
+        snap = np.abs(other - np.rint(other)).max(axis=(1, 2)) == 0
+        better = (off < misfit) | (snap & (off <= tolerance))
+        linear = np.where(better[:, None, None], other, linear)
+        misfit = np.where(better, off, misfit)
+    return linear, misfit
+
+
+def _misfit(points: Floats, linear: Floats, model: Floats) -> Floats:
+    off = points - model @ linear.transpose(0, 2, 1)
+    return np.asarray(np.sqrt(np.einsum("kvi,kvi->kv", off, off).max(axis=1, initial=0.0)))

@@ -1,0 +1,206 @@
+"""Parts that may be equal, stacked so that all are compared with one at once.
+
+Takes pieces of equal counts; gives arrays with one row a part, and tests whether a row under a map
+is the model part: the same points, faces, materials and texture coordinates. Maps are about the
+parts' centres. Nothing is searched here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.inverse.frames import Floats, Integers
+from ipmlang.inverse.parts.invariants import mixed
+from ipmlang.inverse.parts.pieces import Pieces
+
+Truths: TypeAlias = NDArray[np.bool_]
+_UV_TOLERANCE = 1e-5  # of the image
+_NORMAL_TOLERANCE = 0.02  # of the unit: OBJ files round them
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Copies:
+    """k parts with v vertices, c corners, f faces each. points (k, v, 3) from their centres;
+    corners (k, c) vertex of each corner; after, before (k, c) corners next to it; begin (k, f)
+    first corner of each face; look (k, c) a hash of the face's material and size; uv (k, c, 2),
+    normals (k, c, 3).
+    """
+
+    points: Floats
+    corners: Integers
+    after: Integers
+    before: Integers
+    begin: Integers
+    look: NDArray[np.uint64]
+    uv: Floats | None
+    normals: Floats | None
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def __getitem__(self, rows: Integers | Truths | slice) -> Copies:
+        return Copies(
+            self.points[rows],
+            self.corners[rows],
+            self.after[rows],
+            self.before[rows],
+            self.begin[rows],
+            self.look[rows],
+            None if self.uv is None else self.uv[rows],
+            None if self.normals is None else self.normals[rows],
+        )
+
+
+def stacked(pieces: Pieces, center: Floats, rows: Integers) -> Copies:
+    """Parts of equal counts as a stack."""
+
+    def block(starts: Integers) -> Integers:
+        count = starts[rows[0] + 1] - starts[rows[0]]
+        return np.asarray(starts[rows][:, None] + np.arange(count))
+
+    corner, face, vertex = (
+        block(starts) for starts in (pieces.corner_start, pieces.face_start, pieces.vertex_start)
+    )
+    first = corner[:, :1]
+    size = np.diff(pieces.offsets)[face].astype(np.uint64)
+    look = mixed(mixed(size) ^ pieces.material[face].astype(np.uint64))
+    sizes = np.diff(pieces.offsets)[face].reshape(-1)
+    return Copies(
+        pieces.vertices[vertex] - center[rows][:, None],
+        pieces.corners[corner] - vertex[:, :1],
+        pieces.after[corner] - first,
+        pieces.before[corner] - first,
+        pieces.offsets[face] - first,
+        np.repeat(look.reshape(-1), sizes).reshape(corner.shape),
+        None if pieces.uv is None else pieces.uv[corner],
+        None if pieces.normals is None else pieces.normals[corner],
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Model:
+    """The part that others are compared with, one row, and what is asked of it again and again.
+
+    keys, order (c,): its corners' hashes in order, and which corner is where in that order.
+    """
+
+    copies: Copies
+    tree: object
+    keys: NDArray[np.uint64]
+    order: Integers
+    tolerance: float
+
+
+def model_of(copies: Copies, row: int, tolerance: float) -> Model:
+    """One row as the model."""
+    from scipy.spatial import cKDTree
+
+    one = copies[np.array([row])]
+    keys, order = _corner_keys(one, one.corners, np.ones(1, np.bool_))
+    return Model(one, cKDTree(one.points[0]), keys[0], order[0], tolerance)
+
+
+def in_same_order(model: Model, copies: Copies, linear: Floats) -> Truths:
+    """Which rows are the model under maps (k, 3, 3) that do not mirror, with all in its order."""
+    one = model.copies
+    kept = (copies.corners == one.corners).all(1) & (copies.look == one.look).all(1)
+    kept &= (copies.begin == one.begin).all(1)
+    rows = np.flatnonzero(kept)
+    off = copies.points[rows] @ linear[rows] - one.points
+    kept[rows] = np.einsum("kvi,kvi->kv", off, off).max(axis=1) <= model.tolerance**2
+    rows = np.flatnonzero(kept)
+    every = np.tile(np.arange(one.corners.shape[1]), (len(rows), 1))
+    kept[rows] = _dressed_alike(model, copies[rows], linear[rows], every, every)
+    return kept
+
+
+def matched(
+    model: Model, copies: Copies, linear: Floats, slack: float
+) -> tuple[Truths, Integers]:
+    """Which rows are the model under maps (k, 3, 3), and for these rows (r, v) the vertex that
+    stands where the model's vertex is. slack: how far off the maps may be themselves.
+    """
+    points = copies.points @ linear  # the inverse of a turn from the right
+    near, vertex = _nearest(model, points, model.tolerance + slack)
+    rows = np.flatnonzero(near)
+    places = np.empty_like(vertex[rows])
+    np.put_along_axis(places, vertex[rows], np.arange(vertex.shape[1])[None], axis=1)
+    mirrored = np.linalg.det(linear[rows]) < 0
+    chosen = copies[rows]
+    corner = np.take_along_axis(vertex[rows], chosen.corners, axis=1)
+    keys, order = _corner_keys(chosen, corner, ~mirrored)
+    same = (keys == model.keys).all(axis=1)
+    mine = np.tile(model.order, (len(rows), 1))
+    same[same] = _dressed_alike(model, chosen[same], linear[rows][same], mine[same], order[same])
+    found = np.zeros(len(copies), np.bool_)
+    found[rows[same]] = True
+    return found, places[same]
+
+
+def _nearest(model: Model, points: Floats, reach: float) -> tuple[Truths, Integers]:
+    """Rows whose points are the model's one by one, and the model's vertex for each point."""
+    count, size = points.shape[:2]
+    probe = np.linspace(0, size - 1, min(size, 24)).astype(np.int64)
+    near = np.ones(count, np.bool_)
+    vertex = np.zeros((count, size), np.int64)
+    if size > 2 * len(probe):
+        near, _ = _within(model, points[:, probe], reach)
+    rows = np.flatnonzero(near)
+    close, found = _within(model, points[rows], reach)
+    whole = (np.sort(found, axis=1) == np.arange(size)).all(axis=1)
+    near[rows] = close & whole
+    vertex[rows] = found
+    return near, vertex
+
+
+def _within(model: Model, points: Floats, reach: float) -> tuple[Truths, Integers]:
+    from scipy.spatial import cKDTree
+
+    tree = model.tree
+    assert isinstance(tree, cKDTree)
+    if not points.size:
+        return np.zeros(len(points), np.bool_), np.zeros(points.shape[:2], np.int64)
+    apart, index = tree.query(points, distance_upper_bound=reach * (1 + 1e-9) + 1e-300)
+    return np.isfinite(apart).all(axis=1), np.asarray(index, np.int64)
+
+
+def _corner_keys(
+    copies: Copies, vertex: Integers, forward: Truths
+) -> tuple[NDArray[np.uint64], Integers]:
+    """For each row the hashes of its corners in order, and which corner is where: hashes of the
+    vertex with those of its face, read backwards where not `forward`.
+    """
+    count, size = vertex.shape
+    ahead = np.take_along_axis(vertex, copies.after, axis=1)
+    behind = np.take_along_axis(vertex, copies.before, axis=1)
+    flip = ~forward[:, None]
+    ahead, behind = np.where(flip, behind, ahead), np.where(flip, ahead, behind)
+    own = mixed(vertex.astype(np.uint64))
+    edge = mixed(own + mixed(ahead.astype(np.uint64)) * np.uint64(3) ^ copies.look)
+    edge += mixed(behind.astype(np.uint64) * np.uint64(5) + own)
+    starts = (copies.begin + size * np.arange(count)[:, None]).reshape(-1)
+    face = np.add.reduceat(edge.reshape(-1), starts)
+    sizes = np.diff(np.append(starts, count * size))
+    keys = mixed(np.repeat(face, sizes).reshape(count, size) ^ own)
+    order = np.argsort(keys, axis=1, kind="stable")
+    return np.take_along_axis(keys, order, axis=1), order
+
+
+def _dressed_alike(
+    model: Model, copies: Copies, linear: Floats, mine: Integers, theirs: Integers
+) -> Truths:
+    """Whether texture coordinates and normals of corners `theirs` are those of `mine` (k, c)."""
+    one = model.copies
+    alike = np.ones(len(copies), np.bool_)
+    if copies.uv is not None and one.uv is not None:
+        off = np.take_along_axis(copies.uv, theirs[..., None], 1) - one.uv[0][mine]
+        alike &= np.abs(off).max(axis=(1, 2)) <= _UV_TOLERANCE
+    if copies.normals is not None and one.normals is not None:
+        turned = copies.normals @ linear
+        off = np.take_along_axis(turned, theirs[..., None], 1) - one.normals[0][mine]
+        alike &= np.abs(off).max(axis=(1, 2)) <= _NORMAL_TOLERANCE
+    return alike

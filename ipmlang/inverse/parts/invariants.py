@@ -1,0 +1,94 @@
+"""Numbers of a part that no rigid motion, mirror or order of faces changes.
+
+Takes pieces; gives groups of parts that may be equal. Parts that are equal within the tolerance are
+always in one group; that those of a group are equal is for others to prove.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.inverse.frames import Floats, Integers
+from ipmlang.inverse.parts.pieces import Pieces, sums
+
+
+def centers(pieces: Pieces) -> Floats:
+    """The mean (n, 3) of each part's corners."""
+    points = pieces.vertices[pieces.corners]
+    # Far from the origin sums lose digits: they are taken from each part's first corner.
+    first = points[pieces.corner_start[:-1]]
+    counts = np.diff(pieces.corner_start)
+    moved = points - np.repeat(first, counts, axis=0)
+    return np.asarray(first + sums(moved, pieces.corner_start) / counts[:, None])
+
+
+def alike(pieces: Pieces, center: Floats, tolerance: float) -> list[Integers]:
+    """Rows of parts that may be equal, in groups by their first; in a group all have the same
+    numbers of faces, corners and vertices.
+    """
+    counts = np.stack(
+        [
+            np.diff(pieces.face_start),
+            np.diff(pieces.corner_start),
+            np.diff(pieces.vertex_start),
+            sums(_face_kinds(pieces), pieces.face_start).view(np.int64),
+        ],
+        axis=1,
+    )
+    _, label = np.unique(counts, axis=0, return_inverse=True)
+    label = label.reshape(-1)
+    for column in _lengths(pieces, center).T:
+        label = _parted(label, column, 4 * tolerance)
+    order = np.argsort(label, kind="stable")
+    groups = np.split(order, np.flatnonzero(np.diff(label[order])) + 1)
+    return sorted(groups, key=lambda group: int(group[0]))
+
+
+def _face_kinds(pieces: Pieces) -> NDArray[np.uint64]:
+    """A hash of each face's material and number of corners."""
+    sizes = np.diff(pieces.offsets).astype(np.uint64)
+    return mixed(mixed(sizes) ^ pieces.material.astype(np.uint64))
+
+
+def _lengths(pieces: Pieces, center: Floats) -> Floats:
+    """Columns (n, 7) that change by at most four times what any vertex is moved by: extents along
+    the principal axes, and distances from the centre.
+    """
+    counts = np.diff(pieces.corner_start)
+    arm = pieces.vertices[pieces.corners] - np.repeat(center, counts, axis=0)
+    square = np.einsum("ij,ij->i", arm, arm)
+    outer = (arm[:, :, None] * arm[:, None, :]).reshape(-1, 9)
+    spread = sums(outer, pieces.corner_start).reshape(-1, 3, 3) / counts[:, None, None]
+    axes = np.sqrt(np.maximum(np.linalg.eigvalsh(spread), 0.0))
+    largest = np.maximum.reduceat(square, pieces.corner_start[:-1])
+    smallest = np.minimum.reduceat(square, pieces.corner_start[:-1])
+    scale = np.where(largest > 0, largest, 1.0)
+    relative = square / np.repeat(scale, counts)
+    fourth = sums(relative**2, pieces.corner_start) / counts
+    distances = np.stack([np.sqrt(largest), np.sqrt(smallest), np.sqrt(scale) * fourth**0.25], 1)
+    return np.concatenate([axes, distances, _edges(pieces, counts)[:, None]], axis=1)
+
+
+def _edges(pieces: Pieces, counts: Integers) -> Floats:
+    """The root of the mean square of each part's edges."""
+    ahead = pieces.vertices[pieces.corners[pieces.after]] - pieces.vertices[pieces.corners]
+    square = np.einsum("ij,ij->i", ahead, ahead)
+    return np.asarray(np.sqrt(sums(square, pieces.corner_start) / counts) / 2)
+
+
+def _parted(label: Integers, value: Floats, gap: float) -> Integers:
+    """Labels that also differ where values of one label, in order, are further apart than the gap."""
+    order = np.lexsort([value, label])
+    new = (np.diff(label[order]) != 0) | (np.diff(value[order]) > gap)
+    parted = np.empty(len(label), np.int64)
+    parted[order] = np.concatenate([[0], np.cumsum(new)])
+    return parted
+
+
+def mixed(value: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    """The bits of whole numbers, mixed so that sums of them tell sets apart."""
+    value = value * np.uint64(0x9E3779B97F4A7C15) + np.uint64(0x165667B19E3779F9)
+    value = (value ^ (value >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    value = (value ^ (value >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return value ^ (value >> np.uint64(31))

@@ -1,0 +1,97 @@
+"""Words for shape classes: from names in the file where these say something, else from the shape.
+
+Takes classes with their meshes and the paths of their members; gives names that are free to be
+symbols, each used once. Nothing here knows what a grammar's other names are.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+
+import numpy as np
+
+from ipmlang.formats.mesh_types import Mesh
+from ipmlang.inverse.frames import Floats, Integers
+
+_PLAIN = frozenset(
+    "default mesh object node group geometry scene root model part material none unnamed untitled "
+    "generic surface polygon polygons shape visual lib slot lambert".split()
+)
+
+
+def class_names(
+    members: Sequence[Integers],
+    meshes: Sequence[Mesh],
+    paths: Sequence[tuple[str, ...]],
+    stem: str,
+) -> list[str]:
+    """A name for each class."""
+    hints = [_hint(rows, paths) for rows in members]
+    common = Counter(hints)
+    wanted = []
+    for hint, mesh in zip(hints, meshes, strict=True):
+        # A name that most classes would bear, or the file's own, tells nothing.
+        tells = hint and hint != word(stem) and common[hint] <= max(3, len(hints) // 4)
+        wanted.append(hint if tells else _by_material(mesh, meshes) or shape_word(mesh))
+    return _numbered(wanted)
+
+
+def word(text: str) -> str:
+    """A symbol in the way people write them: `IfcWallStandardCase_767` as `WallStandardCase`."""
+    text = re.sub(r"^Ifc(?=[A-Z])", "", text)
+    pieces = re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[A-Z]", text)
+    kept = [piece for piece in pieces if piece.lower() not in _PLAIN]
+    return "".join(piece[0].upper() + piece[1:] for piece in kept)[:32]
+
+
+def _hint(rows: Integers, paths: Sequence[tuple[str, ...]]) -> str:
+    """The innermost name that says something, of most members."""
+    found = Counter(
+        next((said for name in reversed(paths[row]) if (said := word(name))), "")
+        for row in rows[:64].tolist()
+    )
+    return found.most_common(1)[0][0]
+
+
+def _by_material(mesh: Mesh, meshes: Sequence[Mesh]) -> str:
+    """The material's name where the part has one alone and others have others."""
+    if len(mesh.materials) != 1 or all(each.materials == mesh.materials for each in meshes):
+        return ""
+    return word(mesh.materials[0].name)
+
+
+def shape_word(mesh: Mesh) -> str:
+    """What a shape is called by its box and faces."""
+    size = np.ptp(mesh.vertices, axis=0)
+    small, middle, large = np.sort(size)
+    if large <= 0:
+        return "Point"
+    if small <= 1e-6 * large:
+        return "Panel" if middle > 0.1 * large else "Strip"
+    if middle <= 0.25 * large:
+        return "Post" if size[2] == large else "Bar"
+    if small <= 0.2 * middle:
+        return "Slab" if size[2] == small else "Plate"
+    return "Box" if _fills_box(mesh, size) else "Part"
+
+
+def _fills_box(mesh: Mesh, size: Floats) -> bool:
+    """Whether all vertices are corners of the box."""
+    share = mesh.vertices / size
+    return len(share) == 8 and bool((np.abs(share - np.rint(share)) < 1e-6).all())
+
+
+def _numbered(wanted: Sequence[str]) -> list[str]:
+    """Names used once: the second `Box` is `Box2`."""
+    taken: set[str] = set()
+    names = []
+    for name in wanted:
+        number, free = 1, name
+        while free in taken:
+            number += 1
+            free = f"{name}{number}"
+        taken.add(free)
+        names.append(free)
+    return names

@@ -1,0 +1,115 @@
+"""Faces sorted by the part that they belong to, with tables of what each part holds.
+
+Takes all faces and the part of each; gives columns in which a part's faces, corners and vertices
+lie together, so that thousands of parts are measured and compared at once. Nothing is rounded:
+vertices are those of the file.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.formats.mesh_types import Mesh
+from ipmlang.inverse.frames import Floats, Integers
+from ipmlang.inverse.parts.soup import corners_of
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pieces:
+    """n parts. vertices (v, 3), corners (c,) into them, offsets (f + 1,) of faces, material and
+    group (f,), uv (c, 2), normals (c, 3) as in a mesh, all sorted by part; face_start,
+    corner_start, vertex_start (n + 1,) where each part begins; after, before (c,): the corners
+    next to one in its face; face (f): the row of each in the soup.
+    """
+
+    vertices: Floats
+    corners: Integers
+    offsets: Integers
+    material: Integers
+    group: Integers
+    uv: Floats | None
+    normals: Floats | None
+    face_start: Integers
+    corner_start: Integers
+    vertex_start: Integers
+    after: Integers
+    before: Integers
+    face: Integers
+
+    def __len__(self) -> int:
+        return len(self.face_start) - 1
+
+
+def sorted_pieces(mesh: Mesh, same: Integers, part: Integers) -> Pieces:
+    """The faces of a mesh by part (f,). same (v,): vertices of equal label in a part are one."""
+    order = np.argsort(part, kind="stable")
+    sizes = np.diff(mesh.offsets)[order]
+    corner = corners_of(mesh.offsets, order)
+    offsets = np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
+    face_start = np.searchsorted(part[order], np.arange(int(part.max()) + 2))
+    corner_start = offsets[face_start]
+    used = mesh.corners[corner]
+    owner = np.repeat(part[order], sizes)
+    # Vertices are numbered by first use, so that equal files of faces number them alike.
+    key = owner * (int(same.max()) + 1) + same[used]
+    _, first, kind = np.unique(key, return_index=True, return_inverse=True)
+    by_use = np.argsort(first)
+    rank = np.empty(len(first), np.int64)
+    rank[by_use] = np.arange(len(first))
+    first = first[by_use]
+    after, before = neighbours(offsets)
+    return Pieces(
+        mesh.vertices[used[first]],
+        rank[kind],
+        offsets,
+        mesh.material[order],
+        mesh.group[order],
+        None if mesh.uv is None else mesh.uv[corner],
+        None if mesh.normals is None else mesh.normals[corner],
+        face_start,
+        corner_start,
+        np.searchsorted(first, corner_start),
+        after,
+        before,
+        order,
+    )
+
+
+def neighbours(offsets: Integers) -> tuple[Integers, Integers]:
+    """The corner after and before each corner, round its face."""
+    count = int(offsets[-1])
+    after, before = np.arange(1, count + 1), np.arange(-1, count - 1)
+    after[offsets[1:] - 1] = offsets[:-1]
+    before[offsets[:-1]] = offsets[1:] - 1
+    return after, before
+
+
+def sums(values: NDArray[np.generic], starts: Integers) -> NDArray[np.generic]:
+    """Sums of rows between starts (n + 1,), none of them empty."""
+    return np.add.reduceat(values, starts[:-1], axis=0)
+
+
+def piece_mesh(pieces: Pieces, part: int, like: Mesh) -> Mesh:
+    """One part as a mesh with the materials and groups that it uses, in the order of use."""
+    faces = slice(pieces.face_start[part], pieces.face_start[part + 1])
+    corners = slice(pieces.corner_start[part], pieces.corner_start[part + 1])
+    points = slice(pieces.vertex_start[part], pieces.vertex_start[part + 1])
+    begin = pieces.face_start[part]
+    offsets = pieces.offsets[begin : pieces.face_start[part + 1] + 1]
+    used = [int(each) for each in dict.fromkeys(pieces.material[faces].tolist()) if each >= 0]
+    number = np.full(len(like.materials) + 1, -1)
+    number[used] = np.arange(len(used))
+    return Mesh(
+        pieces.vertices[points],
+        pieces.corners[corners] - points.start,
+        offsets - offsets[0],
+        number[pieces.material[faces]],
+        np.zeros(faces.stop - faces.start, np.int64),
+        tuple(like.materials[each] for each in used),
+        ((),),
+        None if pieces.uv is None else pieces.uv[corners],
+        None if pieces.normals is None else pieces.normals[corners],
+    )
