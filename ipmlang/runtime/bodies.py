@@ -188,6 +188,8 @@ class Writer:
     ) -> Operand:
         if each.op == "state":
             return scope_bodies.asked(self, str(each.const), state)
+        if each.op == "measure" and " " in str(each.const):
+            return scope_bodies.unwrapped(self, str(each.const), scope, state)
         if each.op == "measure":
             self.known(SCOPE_FIELDS)
             parts = ", ".join(source(state[name]) for name in SCOPE_FIELDS)

@@ -6,6 +6,7 @@ come from the oracle of splits, and only what lies between two pieces that give 
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 
 from tests.engine.split_oracle import Part, Parts, pieces
@@ -21,7 +22,7 @@ def snapped(
     lows = [low for _, low, _ in found]
     highs = [low + size for _, low, size in found]
     giving = [number for number, (part, _, _) in enumerate(found) if _gives(part)]
-    for left, right in zip(giving, giving[1:], strict=False):
+    for left, right in itertools.pairwise(giving):
         cuts = [found[number][1] for number in range(left + 1, right + 1)]
         by = _least(cuts, lines, found[left][2] / 2, found[right][2] / 2, reach, length)
         for number in range(left + 1, right + 1):

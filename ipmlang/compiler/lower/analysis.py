@@ -106,7 +106,7 @@ class Analysis:
                     inner, start = self._read(each.body, live=True)
                 threads |= inner
                 live |= start
-            elif each.op in ("slab", "pieces", "snapped", "part", "join"):
+            elif each.op in ("slab", "slab_along", "pieces", "snapped", "part", "join"):
                 threads |= self._read(each.body, live=False)[0]
                 live = True
         return threads, live

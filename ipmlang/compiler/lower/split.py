@@ -1,427 +1,187 @@
-"""Splits and parts in braces to code: size arithmetic, slabs of the scope, and pieces by selector.
+"""Splits and parts in braces to code: slabs of the scope, and pieces by selector.
 
-In go a `split` or a block such as `comp { … }`, out come instructions: registers for where each
-part begins and how long it is, one slab a part, one repeat a group. No executor knows a split; that
-a part which does not fit makes no shape is the slab's doing.
+In go a `split` or a block such as `comp { … }`, out come instructions: one slab a part, across an
+axis of the scope or along a texture coordinate, or notes of all parts whose cuts then snap to
+lines. That a part which does not fit makes no shape is the slab's doing.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
-from typing import Protocol
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 
 from ipmlang.compiler import ast, ir
 from ipmlang.compiler.lower.expr import Code, Environment, Known, Operand
 from ipmlang.compiler.lower.operands import operands
+from ipmlang.compiler.lower.shares import Ordinal, share
 from ipmlang.compiler.ops import OPERATIONS
 
 AXES = {"x": 0, "y": 1, "z": 2, "area": 3}  # `area`: along x, measured in area
-LEAST = 1e-9  # of the whole length: a part that is no longer makes no shape
 EXTENTS = {"x": "sx", "y": "sy", "z": "sz"}
 
 # what writes the body of one part: code, elements, names
 Write = Callable[[Code, Sequence[ast.Element], Environment], None]
-Parts = Sequence["ast.SplitPart | ast.SplitGroup"]
 
 
 @dataclass(frozen=True, slots=True)
-class Ordinal:
-    """Which piece of its split comes next, and how many there are; None where nobody asks."""
-
-    next: Operand
-    count: Operand
-
-
-@dataclass(frozen=True, slots=True)
-class Piece:
-    """One part as it stands in its level: its size, or the period of its group, and of that how
-    much is fixed and how much floats.
-    """
-
-    part: ast.SplitPart | ast.SplitGroup
-    fixed: Operand
-    floating: Operand
-    floats: bool
-    inner: tuple[Piece, ...] = ()
-
-
-class Placing(Protocol):
-    """What becomes of the parts of a split, once it is known where they begin."""
-
-    def body(
-        self,
-        code: Code,
-        axis: int,
-        part: ast.SplitPart,
-        low: Operand,
-        size: Operand,
-        ordinal: Ordinal | None,
-        names: Environment,
-    ) -> None:
-        """Append one part."""
-
-    def number(self) -> int:
-        """The number of a new repeat."""
-
-    @property
-    def counts(self) -> bool:
-        """Whether anything asks which piece it is."""
-
-
 class Splitting:
-    """Writes one split. `numbers` gives a number to each repeat; `indices`: the attributes that
-    hold `split.index` and `split.count`, None where nothing reads them.
+    """Writes splits. `numbers` gives a number to each repeat; `indices`: the attributes that hold
+    `split.index` and `split.count`, None where nothing reads them.
     """
 
-    def __init__(
-        self, write: Write, numbers: Callable[[], int], indices: tuple[int, int] | None
-    ) -> None:
-        self._write = write
-        self._numbers = numbers
-        self._indices = indices
+    write: Write
+    numbers: Callable[[], int]
+    indices: tuple[int, int] | None
 
     def split(self, code: Code, split: ast.Split, names: Environment) -> None:
         """Append a split."""
-        if split.axis not in AXES:
-            message = f"operation `split {split.axis}` is not executable yet"
-            raise code.error(split.span, "not-executable", message)
-        if not split.args:
-            _shared(code, split, self, names)
-            return
+        if split.args:
+            self._snapped(code, split, names)
+        elif split.axis in ("u", "v"):
+            unwrapped = _Unwrapped(self, code, split.axis)
+            share(code, split.parts, unwrapped.whole, unwrapped, names)
+        else:
+            slabs = _Slabs(self, AXES[split.axis])
+            share(code, split.parts, _whole(code, split.axis), slabs, names)
+
+    def _snapped(self, code: Code, split: ast.Split, names: Environment) -> None:
+        """Append a split whose cuts move: notes of its pieces, and what becomes of them then."""
         args = operands(code, OPERATIONS["split"], split.args, names)
-        noting = _Noting(code.own(), self._numbers)
-        _shared(code, split, noting, names)
+        noting = _Noting(self, self.numbers(), code.own())
+        share(code, split.parts, _whole(code, split.axis), noting, names)
         outer = code.block()
         for place, (part, own) in enumerate(noting.parts):
             inner = outer.block()
-            if self.counts:
-                index = inner.load("index", noting.own)
-                self.told(inner, Ordinal(index, inner.load("count", noting.own)))
-            self._write(inner, part.body, own)
+            if self.indices is not None:
+                index = inner.load("index", noting.split)
+                self.told(inner, Ordinal(index, inner.load("count", noting.split)))
+            self.write(inner, part.body, own)
             outer.structure("part", (), place, inner, part.span)
-        const = (AXES[split.axis], noting.own, code.site())
+        const = (AXES[split.axis], noting.split, code.site())
         code.structure("snapped", args, const, outer, split.span)
+
+    def told(self, code: Code, ordinal: Ordinal) -> None:
+        """Tell what follows which piece it is."""
+        if self.indices is not None:
+            code.changed[self.indices[0]] = ordinal.next
+            code.changed[self.indices[1]] = ordinal.count
+
+    def part(self, code: Code, part: ast.SplitPart, ordinal: Ordinal, names: Environment) -> Code:
+        """The body of one part."""
+        inner = code.block()
+        self.told(inner, ordinal)
+        self.write(inner, part.body, names)
+        return inner
+
+
+def _whole(code: Code, axis: str) -> Operand:
+    """What a split along an axis shares out."""
+    return code.measure("area") if axis == "area" else code.state(EXTENTS[axis])
+
+
+@dataclass(frozen=True, slots=True)
+class _Slabs:
+    """Parts are slabs across an axis of the scope."""
+
+    splitting: Splitting
+    axis: int
 
     def body(
         self,
         code: Code,
-        axis: int,
         part: ast.SplitPart,
         low: Operand,
         size: Operand,
-        ordinal: Ordinal | None,
+        ordinal: Ordinal,
         names: Environment,
     ) -> None:
         """Append one part: a slab with the part's body."""
-        inner = code.block()
-        self.told(inner, ordinal)
-        self._write(inner, part.body, names)
-        code.structure("slab", (low, size), axis, inner, part.span)
-
-    def told(self, code: Code, ordinal: Ordinal | None) -> None:
-        """Tell what follows which piece it is."""
-        if self._indices is not None and ordinal is not None:
-            code.changed[self._indices[0]] = ordinal.next
-            code.changed[self._indices[1]] = ordinal.count
+        inner = self.splitting.part(code, part, ordinal, names)
+        code.structure("slab", (low, size), self.axis, inner, part.span)
 
     def number(self) -> int:
         """The number of a new repeat."""
-        return self._numbers()
+        return self.splitting.numbers()
 
     @property
     def counts(self) -> bool:
         """Whether anything asks which piece it is."""
-        return self._indices is not None
+        return self.splitting.indices is not None
 
 
-class _Noting:
-    """Notes where the pieces of a split begin; `own` is the split's number. Lines that it snaps to
-    then move the cuts between them.
+class _Unwrapped:
+    """Parts are slabs along a texture coordinate: their sizes are in images, those of slabs in
+    lengths of the axis that the coordinate runs along, perhaps backward. `whole`: of the scope.
     """
 
-    counts = False
-
-    def __init__(self, shape: Operand, numbers: Callable[[], int]) -> None:
-        self.own = numbers()
-        self.parts: list[tuple[ast.SplitPart, Environment]] = []
-        self._shape = shape
-        self._numbers = numbers
+    def __init__(self, splitting: Splitting, code: Code, coordinate: str) -> None:
+        self._splitting = splitting
+        self._axis = code.measure(f"{coordinate} axis")
+        step = code.measure(f"{coordinate} step")
+        self._per_length = code.call("abs", (step,))
+        self._back = code.call("lt", (step, Known(0.0)))
+        x, y, z = (code.state(name) for name in EXTENTS.values())
+        beyond = code.call("select", (code.call("eq", (self._axis, Known(1.0))), y, z))
+        is_x = code.call("eq", (self._axis, Known(0.0)))
+        self._extent = code.call("select", (is_x, x, beyond))
+        self.whole = code.call("mul", (self._extent, self._per_length))
 
     def body(
         self,
         code: Code,
-        axis: int,
         part: ast.SplitPart,
         low: Operand,
         size: Operand,
-        ordinal: Ordinal | None,
+        ordinal: Ordinal,
+        names: Environment,
+    ) -> None:
+        """Append one part: a slab with the part's body."""
+        inner = self._splitting.part(code, part, ordinal, names)
+        before = code.call("div", (low, self._per_length))
+        length = code.call("div", (size, self._per_length))
+        behind = code.call("sub", (self._extent, code.call("add", (before, length))))
+        begin = code.call("select", (self._back, behind, before))
+        code.structure("slab_along", (begin, length, self._axis), None, inner, part.span)
+
+    def number(self) -> int:
+        """The number of a new repeat."""
+        return self._splitting.numbers()
+
+    @property
+    def counts(self) -> bool:
+        """Whether anything asks which piece it is."""
+        return self._splitting.indices is not None
+
+
+@dataclass(frozen=True, slots=True)
+class _Noting:
+    """Notes where the pieces of a split begin: its number, and the register that tells shapes
+    apart. Lines that it snaps to then move the cuts between them. `parts`: what was noted.
+    """
+
+    splitting: Splitting
+    split: int
+    shape: Operand
+    parts: list[tuple[ast.SplitPart, Environment]] = field(default_factory=list)
+    counts: bool = False
+
+    def body(
+        self,
+        code: Code,
+        part: ast.SplitPart,
+        low: Operand,
+        size: Operand,
+        ordinal: Ordinal,
         names: Environment,
     ) -> None:
         """Append a note of one part; what is not absolute gives way."""
-        const = (self.own, len(self.parts), part.size.kind != "absolute")
-        code.act("piece", (self._shape, low, size), const)
+        const = (self.split, len(self.parts), part.size.kind != "absolute")
+        code.act("piece", (self.shape, low, size), const)
         self.parts.append((part, names))
 
     def number(self) -> int:
         """The number of a new repeat."""
-        return self._numbers()
-
-
-def _shared(code: Code, split: ast.Split, placing: Placing, names: Environment) -> None:
-    """Share the length of a shape out to the parts of a split."""
-    axis = AXES[split.axis]
-    whole = code.measure("area") if axis == 3 else code.state(EXTENTS[split.axis])
-    level = _Level(placing, axis, whole, names)
-    pieces = level.pieces(code, split.parts)
-    level.write(code, pieces, Known(0.0), whole, Known(0.0), None)
-
-
-class _Level:
-    """The parts between two braces: sizes are shared out here, once a level."""
-
-    def __init__(self, splitting: Placing, axis: int, whole: Operand, names: Environment) -> None:
-        self._splitting = splitting
-        self._axis = axis
-        self._whole = whole
-        self._names = names
-
-    def pieces(self, code: Code, parts: Parts) -> tuple[Piece, ...]:
-        """The sizes of the parts, as far as they do not depend on each other."""
-        return tuple(self._piece(code, part) for part in parts)
-
-    def _piece(self, code: Code, part: ast.SplitPart | ast.SplitGroup) -> Piece:
-        if isinstance(part, ast.SplitPart):
-            value = code.call("max", (code.value(part.size.value, self._names), Known(0.0)))
-            if part.size.kind == "floating":
-                return Piece(part, Known(0.0), value, True)
-            if part.size.kind == "relative":
-                value = code.call("mul", (value, self._whole))
-            return Piece(part, value, Known(0.0), False)
-        inner = self.pieces(code, part.parts)
-        fixed = _total(code, [each.fixed for each in inner])
-        floating = _total(code, [each.floating for each in inner])
-        return Piece(part, fixed, floating, any(p.floats for p in inner), inner=inner)
-
-    def write(
-        self,
-        code: Code,
-        pieces: Sequence[Piece],
-        begin: Operand,
-        length: Operand,
-        first: Operand,
-        count: Operand | None,
-    ) -> None:
-        """Append the parts of a level that begins at `begin`; `first`: the number of its first
-        piece; `count`: how many pieces the split has, None: this level's own.
-        """
-        repeats, factor = self._shares(code, pieces, length)
-        sizes = [_sized(code, piece, factor) for piece in pieces]
-        made = self._made(code, pieces, repeats, sizes, length)
-        if count is None:
-            count = _total(code, made)
-        at: Operand = Known(0.0)
-        for piece, times, size, number in zip(pieces, repeats, sizes, made, strict=True):
-            room = _minus(code, length, at)
-            where = _plus(code, begin, at)
-            if times is None:
-                size = code.call("min", (size, room))
-                assert isinstance(piece.part, ast.SplitPart)
-                ordinal = Ordinal(first, count)
-                names = self._names
-                self._splitting.body(code, self._axis, piece.part, where, size, ordinal, names)
-            else:
-                self._group(code, piece, times, size, where, room, first, count)
-                size = _taken(code, piece, times, size, room)
-            at = _plus(code, at, size)
-            first = _plus(code, first, number)
-
-    def _shares(
-        self, code: Code, pieces: Sequence[Piece], length: Operand
-    ) -> tuple[list[Operand | None], Operand]:
-        """How often each group is repeated (None: a single part), and the factor of all floating
-        sizes.
-        """
-        groups = [each for each in pieces if isinstance(each.part, ast.SplitGroup)]
-        singles = [each for each in pieces if isinstance(each.part, ast.SplitPart)]
-        taken = _total(code, [p.fixed for p in singles] + [p.floating for p in singles])
-        room = _room(code, length, taken)
-        periods = {id(each): code.call("add", (each.fixed, each.floating)) for each in groups}
-        together = _total(code, periods.values())
-        repeats: list[Operand | None] = []
-        for each in pieces:
-            if id(each) not in periods:
-                repeats.append(None)
-                continue
-            period, share = periods[id(each)], room
-            if len(groups) > 1:
-                part = code.call("div", (period, together))
-                share = code.call("mul", (room, part))
-            repeats.append(_times(code, each, share, period))
-        pairs = list(zip(pieces, repeats, strict=True))
-        fixed = _total(code, [_all_of(code, each.fixed, times) for each, times in pairs])
-        floats = _total(code, [_all_of(code, each.floating, times) for each, times in pairs])
-        left = code.call("max", (_minus(code, length, fixed), Known(0.0)))
-        if isinstance(floats, Known) and floats.value == 0:
-            return repeats, Known(0.0)
-        some = code.call("gt", (floats, Known(0.0)))
-        return repeats, code.call("select", (some, code.call("div", (left, floats)), Known(0.0)))
-
-    def _made(
-        self,
-        code: Code,
-        pieces: Sequence[Piece],
-        repeats: Sequence[Operand | None],
-        sizes: Sequence[Operand],
-        length: Operand,
-    ) -> list[Operand]:
-        """How many pieces each part makes in a level that is so long, all copies together; nobody
-        asks: 0.
-        """
-        if not self._splitting.counts:
-            return [Known(0.0)] * len(pieces)
-        made: list[Operand] = []
-        at: Operand = Known(0.0)
-        for piece, times, size in zip(pieces, repeats, sizes, strict=True):
-            room = _minus(code, length, at)
-            if times is None:
-                size = code.call("min", (size, room))
-                least = code.call("mul", (self._whole, Known(LEAST)))
-                there = code.call("gt", (size, least))
-                made.append(code.call("select", (there, Known(1.0), Known(0.0))))
-            else:
-                made.append(self._in_all(code, piece, times, size, room))
-                size = _taken(code, piece, times, size, room)
-            at = _plus(code, at, size)
-        return made
-
-    def _in_all(
-        self, code: Code, piece: Piece, times: Operand, period: Operand, room: Operand
-    ) -> Operand:
-        """How many pieces the copies of a group make: of the last one, what there is room for."""
-        whole = code.call("mul", (times, self._in_one(code, piece, period)))
-        if not _overflows(piece):
-            return whole
-        fitting = code.call("floor", (code.call("div", (room, period)),))
-        left = code.call("sub", (room, code.call("mul", (fitting, period))))
-        some = code.call("mul", (fitting, self._in_one(code, piece, period)))
-        cut = code.call("add", (some, self._in_one(code, piece, left)))
-        all_fit = code.call("ge", (fitting, times))
-        none = code.call("le", (period, Known(0.0)))
-        return code.call("select", (code.call("or", (all_fit, none)), whole, cut))
-
-    def _in_one(self, code: Code, piece: Piece, length: Operand) -> Operand:
-        """How many pieces one copy of a group makes, which is `length` long."""
-        repeats, factor = self._shares(code, piece.inner, length)
-        sizes = [_sized(code, each, factor) for each in piece.inner]
-        return _total(code, self._made(code, piece.inner, repeats, sizes, length))
-
-    def _group(
-        self,
-        code: Code,
-        piece: Piece,
-        times: Operand,
-        period: Operand,
-        begin: Operand,
-        room: Operand,
-        first: Operand,
-        count: Operand,
-    ) -> None:
-        """Append the copies of a group."""
-        number = self._splitting.number()
-        inner = code.block()
-        index = inner.load("index", number)
-        before = inner.call("mul", (index, period))
-        where = _plus(inner, begin, before)
-        length: Operand = period
-        if _overflows(piece):
-            left = inner.call("min", (period, inner.call("sub", (room, before))))
-            length = inner.call("select", (_over(code, times, period, room), left, period))
-        if self._splitting.counts:
-            each = self._in_one(inner, piece, period)
-            first = inner.call("add", (first, inner.call("mul", (index, each))))
-        self.write(inner, piece.inner, where, length, first, count)
-        code.repeat(number, (times,), inner, piece.part.span)
-
-
-def _overflows(piece: Piece) -> bool:
-    """Whether the copies of a group may need more room than there is: what is fixed does not give
-    way, and `+` makes one copy more than fits.
-    """
-    return not (isinstance(piece.fixed, Known) and piece.fixed.value == 0)
-
-
-def _over(code: Code, times: Operand, period: Operand, room: Operand) -> Operand:
-    """Whether they do; by a last bit they do not."""
-    return code.call("gt", (code.call("mul", (times, period)), room))
-
-
-def _room(code: Code, length: Operand, taken: Operand) -> Operand:
-    """What single parts leave for repeats: nothing where they leave only a last bit."""
-    if isinstance(taken, Known) and taken.value == 0:
-        return code.call("max", (length, Known(0.0)))
-    left = code.call("sub", (length, taken))
-    return code.call("select", (code.call("gt", (length, taken)), left, Known(0.0)))
-
-
-def _taken(code: Code, piece: Piece, times: Operand, period: Operand, room: Operand) -> Operand:
-    """The length that the copies of a group take."""
-    size = code.call("mul", (times, period))
-    if not _overflows(piece):
-        return size
-    return code.call("select", (_over(code, times, period, room), room, size))
-
-
-def _cuts(piece: Piece) -> bool:
-    """Whether a group's last copy may be cut."""
-    return isinstance(piece.part, ast.SplitGroup) and piece.part.mode == "+" and not piece.floats
-
-
-def _times(code: Code, piece: Piece, room: Operand, period: Operand) -> Operand:
-    """How many copies of a group fit: floating ones are stretched, so the nearest number; of fixed
-    ones whole ones alone, and with `+` a cut one.
-    """
-    if piece.floats:
-        return code.call("tiles", (room, period))
-    rounded = "ceil" if _cuts(piece) else "floor"
-    found = code.call(rounded, (code.call("div", (room, period)),))
-    return code.call("select", (code.call("gt", (period, Known(0.0))), found, Known(0.0)))
-
-
-def _sized(code: Code, piece: Piece, factor: Operand) -> Operand:
-    return _plus(code, piece.fixed, _times_factor(code, piece.floating, factor))
-
-
-def _times_factor(code: Code, size: Operand, factor: Operand) -> Operand:
-    if isinstance(size, Known) and size.value in (0.0, 1.0):
-        return factor if size.value else size
-    return code.call("mul", (factor, size))
-
-
-def _minus(code: Code, a: Operand, b: Operand) -> Operand:
-    return a if isinstance(b, Known) and b.value == 0 else code.call("sub", (a, b))
-
-
-def _all_of(code: Code, size: Operand, times: Operand | None) -> Operand:
-    return size if times is None else code.call("mul", (times, size))
-
-
-def _total(code: Code, sizes: Iterable[Operand | None]) -> Operand:
-    """A sum; zeros that are known add nothing."""
-    total: Operand = Known(0.0)
-    for size in sizes:
-        if size is not None:
-            total = _plus(code, total, size)
-    return total
-
-
-def _plus(code: Code, a: Operand, b: Operand) -> Operand:
-    """a + b, where a zero that is known adds nothing."""
-    if isinstance(a, Known) and a.value == 0:
-        return b
-    if isinstance(b, Known) and b.value == 0:
-        return a
-    return code.call("add", (a, b))
+        return self.splitting.numbers()
 
 
 # ----------------------------------------------------------------------- parts by label

@@ -93,24 +93,29 @@ TAKING_APART = (
            ("comp { sde: Facade }", "comp(3) { top: Roof }", "comp { Facade }", "comp"),
            labels=_SIDES),
     scoped("split", "Cut the shape along an axis into pieces of absolute `4.4`, relative `'0.5` "
-            "and floating `~3` sizes; `{ … }*` repeats whole pieces, `{ … }+` a cut one too. `u` "
-            "and `v` cut along texture coordinates, `area` into pieces of given areas. With "
-            "`snap:` the lengths are shared out as always, and then each cut moves to the nearest "
-            "of the lines that `snap` made under that name in phases before, across the same "
-            "direction, wherever they were made: `within` a label, those alone that descend from "
-            "the same shape of that label as this one. Floating and relative pieces on either "
-            "side of a cut give way; absolute ones keep their size, so that they and the cuts "
-            "around them move together, by the least distance that brings one of these cuts to a "
-            "line, or not at all where nothing on one of their sides gives way. A cut moves by "
-            "less than half of the piece that it moves into, and by no more than `reach`: so "
-            "pieces keep their order and none vanishes. Of two lines or cuts that are equally "
-            "near the lower one counts. Copies of repeats snap like other pieces, and the ends of "
-            "the shape never move. An empty name snaps to nothing.",
+            "and floating `~3` sizes; `{ … }*` repeats whole pieces, `{ … }+` a cut one too. "
+            "`area` cuts along x into pieces of given areas. `u` and `v` cut along the texture "
+            "coordinates that the shape has here, from where they are least: sizes are in images, "
+            "so that 1 is one image of `projectUV` or `tileUV`, and without these a whole side, or "
+            "what a mesh brings; each must run evenly along one axis of the scope, forward or "
+            "back, which a side that `comp` gave does, but all sides of a solid together only in a "
+            "projection. With `snap:` the lengths are shared out as always, and then each cut "
+            "moves to the nearest of the lines that `snap` made under that name in phases before, "
+            "across the same direction, wherever they were made; with `within` a label, of those "
+            "alone that descend from the same shape of that label as this one. Floating and "
+            "relative pieces on either side of a cut give way; absolute ones keep their size, so "
+            "that they and the cuts around them move together, by the least distance that brings "
+            "one of these cuts to a line, or not at all where nothing on one of their sides gives "
+            "way. A cut moves by less than half of the piece that it moves into, and by no more "
+            "than `reach`: so pieces keep their order and none vanishes. Of two lines or cuts that "
+            "are equally near the lower one counts. Copies of repeats snap like other pieces, and "
+            "the ends of the shape never move. An empty name snaps to nothing.",
             ((), (Param("snap", "string", named=True), number("within", "string"),
                   number("reach"))),
             ("split y { 4.4: Ground | { ~3.2: Floor }* | 0.6: Cornice }",
              "split x { ~1: Wall | '0.25: Pier | ~1: Wall }",
-             'split x(snap: "bay", within: "facade", reach: 0.5) { { ~3: Bay }* }'),
+             'split x(snap: "bay", within: "facade", reach: 0.5) { { ~3: Bay }* }',
+             "setupProjection(xy, 2, 1) projectUV split u { { ~1: Panel }* }"),
             ("split q { 1: A }", 'split x { "big": A }', "split x { -2: A }", "split",
              "split x(snap: 3) { ~1: A }", "split x(reach: 1) { ~1: A }",
              'split area(snap: "bay") { 3: A }'),

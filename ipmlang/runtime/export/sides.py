@@ -26,6 +26,17 @@ _SIDES = np.array(
 )
 
 
+def side_axes(axis: int, up: bool) -> tuple[int, int, int, int]:
+    """The axes of u and v on the side of a box across an axis, which faces up it or down, and
+    whether (1) or not (0) each of them runs back.
+
+    >>> side_axes(1, False)
+    (0, 2, 0, 0)
+    """
+    u, v, u_back, v_back = _SIDES[axis, int(up)].tolist()
+    return u, v, u_back, v_back
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class _Faces:
     """The corners of a mesh's faces in a box from 0: points (c, 3); face (c,) the face of each;

@@ -21,14 +21,15 @@ from ipmlang.runtime.limits import Counted
 from ipmlang.runtime.queries.marks import ASKING, FIELD, FIRST, NAMED, SEEN, Kind, Marks, asked
 from ipmlang.runtime.scene import SEGMENT
 from ipmlang.runtime.scopes.pool import Load
-from ipmlang.runtime.scopes.scoping import Keys, Rows, Scoping
+from ipmlang.runtime.scopes.scoping import Keys, Rows
+from ipmlang.runtime.scopes.unwrapping import Unwrapping
 
 if TYPE_CHECKING:
     from ipmlang.runtime.queries.occluders import Occluders
     from ipmlang.runtime.queries.totals import Totals
 
 
-class Asking(Scoping):
+class Asking(Unwrapping):
     """The part of a run that knows other shapes. `answers`: what an earlier pass made;
     `first_pass`: this is the earlier pass.
     """

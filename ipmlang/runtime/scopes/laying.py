@@ -67,10 +67,29 @@ class _Held:
     def of(self, rows: Numbers) -> _Held:
         """Those of some rows, to be changed; a row of -1 holds nothing."""
         none = rows < 0
+        if none.all():
+            return _blank(len(rows))
         found = _Held(self.ready[rows], self.applied[rows], self.tile[rows], self.map[rows])
         found.ready[none], found.applied[none] = -1, -1
         found.tile[none], found.map[none] = np.nan, np.eye(2, 3)
         return found
+
+    def longer(self, count: int) -> _Held:
+        """The same, with blank rows behind."""
+        pairs = zip(_fields(self), _fields(_blank(count - len(self.ready))), strict=True)
+        return _Held(*(np.concatenate(pair) for pair in pairs))
+
+
+def _fields(held: _Held) -> tuple[Numbers, Numbers, Floats, Floats]:
+    return held.ready, held.applied, held.tile, held.map
+
+
+def _blank(count: int) -> _Held:
+    """Rows that hold nothing."""
+    none = np.full(count, -1, np.int64)
+    return _Held(
+        none, none.copy(), np.full((count, 2), np.nan), np.tile(np.eye(2, 3), (count, 1, 1))
+    )
 
 
 @dataclass(slots=True, eq=False)
@@ -80,6 +99,9 @@ class Laying:
     count: int = 0
     _met: list[_Met] = field(default_factory=list)
     _known: dict[tuple[object, ...], float] = field(default_factory=dict)
+    _done: int = 0  # applications that `_held` and `_setups` know already
+    _held: _Held = field(default_factory=lambda: _blank(0))
+    _setups: Floats = field(default_factory=lambda: np.zeros((0, 2)))
 
     def begin(
         self,
@@ -128,9 +150,18 @@ class Laying:
         used = np.flatnonzero(np.bincount(own + 1, minlength=self.count + 1)[1:])
         place = np.full(self.count + 1, -1, np.int32)  # the last for rows of -1
         place[used] = np.arange(len(used))
+        return self._maps(place[own], used)
+
+    def now(self, carried: Floats) -> TextureMaps:
+        """What rows (n,) carry, as it stands; the map of each row is its own."""
+        own = np.floor(carried / 2).astype(np.int64)
+        used, place = np.unique(np.maximum(own, -1), return_inverse=True)
+        return self._maps(place.reshape(-1).astype(np.int32), used)
+
+    def _maps(self, of: NDArray[np.int32], used: Numbers) -> TextureMaps:
         held = self._resolved().of(used)
-        frames = np.tile(np.array(_USUAL), (self.count, 1))
-        planes = np.zeros((self.count, 2), np.int64)
+        frames = np.tile(np.array(_USUAL), (self.count + 1, 1))
+        planes = np.zeros((self.count + 1, 2), np.int64)
         for each in self._met:
             if each.name == SETUP:
                 frames[each.first : each.first + len(each.parent)] = each.frame
@@ -139,17 +170,16 @@ class Laying:
         frame, plane = frames[held.applied], planes[held.applied]
         rotation = frame[:, 3:7] / np.linalg.norm(frame[:, 3:7], axis=1, keepdims=True)
         return TextureMaps(
-            place[own], projected, plane, frame[:, :3], rotation, np.sign(frame[:, 7]), held.tile,
-            held.map,
-        )  # fmt: skip
+            of, projected, plane, frame[:, :3], rotation, np.sign(frame[:, 7]), held.tile, held.map
+        )
 
     def _resolved(self) -> _Held:
         """What all rows come to; what held before a row has a smaller number."""
-        none = np.full(self.count, -1, np.int64)
-        tile = np.full((self.count, 2), np.nan)
-        whole = _Held(none, none.copy(), tile, np.tile(np.eye(2, 3), (self.count, 1, 1)))
-        setups = np.full((self.count, 2), np.nan)
-        for each in self._met:
+        whole = self._held = self._held.longer(self.count)
+        blank = np.full((self.count - len(self._setups), 2), np.nan)
+        setups = self._setups = np.concatenate([self._setups, blank])
+        met, self._done = self._met[self._done :], len(self._met)
+        for each in met:
             rows = np.arange(each.first, each.first + len(each.parent))
             held = whole.of(each.parent)
             if each.name == SETUP:

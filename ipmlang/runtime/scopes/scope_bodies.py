@@ -125,6 +125,28 @@ def slab(writer: Writer, each: ir.Instruction, scope: Scope, state: State) -> No
     writer.within(each.body, replace(scope, registers=dict(scope.registers), shown=shown), own)
 
 
+def unwrapped(writer: Writer, what: str, scope: Scope, state: State) -> Operand:
+    """How a texture coordinate runs over the scope."""
+    if writer.quiet:  # what copies before this one did is not known yet
+        raise UnscannableError
+    own = writer.mapping(state, [name for name in state if name in (*FRAME, *SCOPE, UV)])
+    return writer.source.let(f"run.unwrapped({what!r}, {scope.count}, {own}, {scope.shown})")
+
+
+def slab_along(writer: Writer, each: ir.Instruction, scope: Scope, state: State) -> None:
+    """The same across an axis that differs from shape to shape."""
+    if writer.quiet:
+        return
+    low, size, axis = (source(scope.registers[arg]) for arg in each.args)
+    own = writer.mapping(state, [name for name in state if name in (*FRAME, *SCOPE)])
+    what = f"{axis}, {scope.count}, {low}, {size}, {own}, {scope.shown}"
+    found = writer.held(f"run.slab_along({what})")
+    shown, part = (writer.source.let(f"{found}[{k}]") for k in range(2))
+    changed = {name: writer.source.let(f"{part}['{name}']") for name in (*MOVED, *SCOPE)}
+    inner = replace(scope, registers=dict(scope.registers), shown=shown)
+    writer.within(each.body, inner, {**state, **changed})
+
+
 def pieces(writer: Writer, each: ir.Instruction, scope: Scope, state: State) -> None:
     """The parts that an operation makes, a batch of copies for each selector."""
     if writer.quiet:
@@ -213,5 +235,6 @@ def join(writer: Writer, each: ir.Instruction, scope: Scope, state: State) -> No
 
 
 PARTING: Mapping[str, Callable[[Writer, ir.Instruction, Scope, State], None]] = {
-    "slab": slab, "pieces": pieces, "piece": piece, "snapped": snapped, "join": join,
+    "slab": slab, "slab_along": slab_along, "pieces": pieces, "piece": piece, "snapped": snapped,
+    "join": join,
 }  # fmt: skip
