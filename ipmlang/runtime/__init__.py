@@ -37,8 +37,8 @@ def derive(
     seed, which is seed 0, the choices that a program brings along are drawn again. A residual must
     fit what is drawn where neither seed nor attributes are given; else one that does not is left
     out, and the scene's notes say so. `on` is a file whose faces or closed paths (`town.obj`, or
-    with a node `town.svg#lots`) are what it starts on, whatever its own start stands on. `tell` gets
-    the derivation tree, where shapes expand independently.
+    with a node `town.svg#lots`) are what it starts on, whatever its own start stands on. `tell`
+    gets the derivation tree, where shapes expand independently.
 
     Raises IpmError for attributes that do not fit, limits reached, and numbers that are not finite.
     """

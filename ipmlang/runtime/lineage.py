@@ -30,7 +30,8 @@ class Lineage:
     taken, -1 the axiom's, -2 none; parent (n,): a row before, -1 of the first shapes; site (n,):
     the call site in the parent's production; key (n,) u64; state: the fields of the shape's state
     as it was made, (n,) each; arguments: of each shape. drawer (m,), drawn_at (m,): of each row of
-    the scene the shape that drew it, and the call site there.
+    the scene the shape that drew it, and the call site there; pens: the fields of the state that
+    it was drawn with, (m,) each.
     """
 
     symbol: Integers
@@ -42,6 +43,7 @@ class Lineage:
     arguments: tuple[tuple[float, ...], ...]
     drawer: Integers
     drawn_at: Integers
+    pens: Mapping[str, Floats]
 
     def __len__(self) -> int:
         return len(self.symbol)
@@ -53,7 +55,7 @@ class Recorder:
 
     batches: list[tuple[int, int, Shapes]] = field(default_factory=list)
     taken: list[tuple[int, NDArray[np.int32]]] = field(default_factory=list)
-    drawings: list[tuple[int, int, int]] = field(default_factory=list)
+    drawings: list[tuple[int, Chunk]] = field(default_factory=list)
 
     def made(self, symbol: int, site: int, shapes: Shapes) -> None:
         """Shapes of a symbol were made at a call site."""
@@ -65,7 +67,7 @@ class Recorder:
 
     def drew(self, site: int, chunk: Chunk) -> None:
         """Terminals were drawn at a call site."""
-        self.drawings.append((site, chunk.start, chunk.count))
+        self.drawings.append((site, chunk))
 
     def lineage(
         self, order: Order, fields: Sequence[str], shapes: int, places: NDArray[np.int32]
@@ -89,14 +91,32 @@ class Recorder:
         for record in order.records:
             assert isinstance(record, Record)
             _follow(record.slots, record.shapes, parent, drawer)
-        at = np.full(len(places), -1, np.int32)
-        for where, start, count in self.drawings:
-            at[start : start + count] = where
-        drawn_at, drawn_by = np.empty_like(at), np.empty_like(drawer)
-        drawn_at[places], drawn_by[places] = at, drawer
+        at, pens = self._drawn(fields, len(places))
+        rows = np.empty_like(places)
+        rows[places] = np.arange(len(places))
         return Lineage(
-            symbol, production, parent, site, key, state, tuple(arguments), drawn_by, drawn_at
+            symbol,
+            production,
+            parent,
+            site,
+            key,
+            state,
+            tuple(arguments),
+            drawer[rows],
+            at[rows],
+            {name: column[rows] for name, column in pens.items()},
         )
+
+    def _drawn(self, fields: Sequence[str], count: int) -> tuple[Integers, dict[str, Floats]]:
+        """The call site of each drawing, and what its pen held."""
+        at = np.full(count, -1, np.int32)
+        pens = {name: np.zeros(count) for name in fields}
+        for where, chunk in self.drawings:
+            rows = slice(chunk.start, chunk.start + chunk.count)
+            at[rows] = where
+            for name in fields:
+                pens[name][rows] = chunk.column(chunk.state[name])
+        return at, pens
 
 
 def _arguments(batch: Shapes) -> list[tuple[float, ...]]:
