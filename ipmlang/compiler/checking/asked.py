@@ -31,7 +31,7 @@ def note_snapped(findings: Findings, split: ast.Split) -> None:
     for argument in split.args:
         text = argument.value.value if isinstance(argument.value, ast.Text) else None
         if argument.name == "snap" and text != "":
-            findings.asked.append(("phase", "split", argument.span))
+            findings.asked.append(("phase", "split(snap: …)", argument.span))
         if argument.name in SPLIT_KINDS and text:
             findings.asked.append((SPLIT_KINDS[argument.name], text, argument.value.span))
 
