@@ -1,0 +1,211 @@
+"""Rules under construction: the shortest way to say what stands in a box, as copies or as splits.
+
+In go contents with the size of their scope, out come numbers of symbols; equal contents give one
+symbol. A symbol's cost is that of all symbols that it needs, each counted once, less a bonus for
+cells that repeat, which people read and edit more easily than rows. Nothing is dropped here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import TypeGuard
+
+import numpy as np
+
+from ipmlang.inverse.frames import Floats, Frames, Integers
+from ipmlang.inverse.split.cells import Span, spans
+from ipmlang.inverse.split.changing import moved, named_symbols
+from ipmlang.inverse.split.contents import Contents, same, sorted_rows
+from ipmlang.inverse.split.cost import ASSET, item_tokens, rule_tokens
+from ipmlang.inverse.split.guillotine import Groups, runs, side_by_side
+from ipmlang.inverse.split.scheme import (
+    Array,
+    Cell,
+    Direction,
+    Item,
+    Octant,
+    Place,
+    Ring,
+    Rule,
+    Split,
+    Symbol,
+    Terminal,
+)
+from ipmlang.inverse.split.subdivisions import lattices
+
+BONUS = 8  # tokens that a split with cells that repeat may cost more than what it replaces
+MOST = 2500  # contents weighed in one rule, and in all
+EXACT = 0.05  # of what does not count: as near a symbol has to be to stand in a cell as it is
+
+
+@dataclass(slots=True, eq=False)
+class Building:
+    """small: units that do not count. made: symbols, each before those that place it; new: their
+    numbers for symbols of the scheme that is rewritten; items: of the rule that is rewritten,
+    with new symbols; free: symbols that cost nothing here, as others need them anyway.
+    """
+
+    small: float
+    made: list[Symbol] = field(default_factory=list)
+    new: dict[int, int] = field(default_factory=dict)
+    items: tuple[Place | Array | Ring, ...] = ()
+    free: frozenset[int] = frozenset()
+    _cost: list[int] = field(default_factory=list)
+    _below: list[frozenset[int]] = field(default_factory=list)
+    _known: dict[bytes, list[tuple[Contents, Floats, int]]] = field(default_factory=dict)
+    _left: int = MOST
+
+    # -------------------------------------------------------------- symbols
+
+    def add(self, symbol: Symbol) -> int:
+        """A new symbol."""
+        named = named_symbols(symbol)
+        self.made.append(symbol)
+        number = len(self.made) - 1
+        self._cost.append(self._own_cost(symbol))
+        self._below.append(frozenset({number}).union(*(self._below[each] for each in named)))
+        return number
+
+    def _own_cost(self, symbol: Symbol) -> int:
+        if isinstance(symbol, Terminal):
+            return ASSET
+        return rule_tokens(symbol, self.small) - BONUS * sum(map(repeats, symbol.items))
+
+    def cost(self, number: int) -> int:
+        """Of a symbol and all that it needs and that is not free."""
+        return sum(self._cost[each] for each in self._below[number] - self.free)
+
+    def below(self, number: int) -> frozenset[int]:
+        """All symbols that a symbol needs, with itself."""
+        return self._below[number]
+
+    # -------------------------------------------------------------- contents
+
+    def build(self, inside: Contents, size: Floats) -> int:
+        """The symbol for contents in a scope of this size."""
+        inside = sorted_rows(inside, self.small)
+        known = self._known.setdefault(inside.kind.tobytes(), [])
+        for other, extent, number in known:
+            fits = np.abs(extent - size).max() <= self.small or not is_cut(self.made[number])
+            if fits and same(inside, other, self.small):
+                return number
+        options = [self._plain(inside, size)]
+        if self._left > 0 and 1 < len(inside) <= MOST:
+            self._left -= 1
+            options += self._splits(inside, size)
+        number = min(options, key=self.cost)
+        known.append((inside, size, number))
+        return number
+
+    def _plain(self, inside: Contents, size: Floats) -> int:
+        """Contents as copies and rows; a single symbol that fills the scope is itself."""
+        if len(inside) == 1:
+            number = self.new[int(inside.symbol[0])]
+            if self._fills(inside.frames, number, size):
+                return number
+        return self.add(Rule("", size, tuple(self.placed(inside))))
+
+    def _fills(self, frames: Frames, number: int, size: Floats) -> bool:
+        """Whether a symbol can stand in a scope of this size as it is."""
+        symbol = self.made[number]
+        at_home = np.abs(frames.position).max() <= EXACT * self.small
+        upright = frames.rotation[0, 0] == 1.0 and frames.hand[0] > 0 and frames.scale[0] == 1.0
+        own = not is_cut(symbol) or np.abs(symbol.size - size).max() <= self.small
+        return bool(at_home and upright and own)
+
+    def placed(self, inside: Contents) -> Iterator[Item]:
+        """Contents as the items that they came from where all of those are there, else as rows
+        where there are any.
+        """
+        loose = np.ones(len(inside), np.bool_)
+        for number in np.unique(inside.item[inside.item >= 0]).tolist():
+            here = inside.item == number
+            item = self.items[number]
+            if here.sum() == _count(item):
+                loose &= ~here
+                yield moved(item, inside.offset)
+        for kind in np.unique(inside.kind[loose]).tolist():
+            yield from self._rows(inside[loose & (inside.kind == kind)])
+
+    def _rows(self, alike: Contents) -> Iterator[Item]:
+        symbol = self.new[int(alike.symbol[0])]
+        found, rest = lattices(alike.frames.position, self.small)
+        single = [rest]
+        for lattice in found:
+            directions = tuple(map(Direction, lattice.counts, lattice.steps))
+            array = Array(symbol, alike.frames[lattice.rows[:1]], directions)
+            place = Place(symbol, alike.frames[lattice.rows])
+            if item_tokens(array, self.small) < item_tokens(place, self.small):
+                yield array
+            else:
+                single.append(lattice.rows)
+        rows = np.sort(np.concatenate(single))
+        if len(rows):
+            yield Place(symbol, alike.frames[rows])
+
+    # -------------------------------------------------------------- splits
+
+    def _splits(self, inside: Contents, size: Floats) -> list[int]:
+        found = []
+        for axis in (2, 0, 1):  # of ways that cost the same, floors of bays
+            for groups in side_by_side(inside, axis, self.small):
+                chosen = runs(inside, groups, axis, self.small)
+                laid = spans(groups, chosen, float(size[axis]), self.small)
+                if laid is not None:
+                    found.append(self._split(inside, size, axis, groups, laid))
+        return found
+
+    def _split(
+        self, inside: Contents, size: Floats, axis: int, groups: Groups, laid: list[Span]
+    ) -> int:
+        cells = tuple(self._cell(inside, size, axis, groups, span) for span in laid)
+        split = Split(axis, self._settled(cells, size, axis))
+        behind = inside[groups.backdrop]
+        items = tuple(self.placed(behind)) if len(behind) else ()
+        return self.add(Rule("", size, (*items, split)))
+
+    def _cell(self, inside: Contents, size: Floats, axis: int, groups: Groups, span: Span) -> Cell:
+        if span.empty:
+            return Cell(span.length, None, elastic=span.elastic)
+        rows: Integers = np.concatenate(groups.rows[span.first : span.last])
+        along = np.eye(3)[axis]
+        own = np.where(along > 0, span.length, size)
+        symbol = self.build(inside[rows].moved(-span.low * along), own)
+        return Cell(span.length, symbol, span.count, span.elastic)
+
+    def _settled(self, cells: tuple[Cell, ...], size: Floats, axis: int) -> tuple[Cell, ...]:
+        """Cells that come out as they are: what repeats shares a length by the length of a cell,
+        so that counts which differ need scopes of their own.
+        """
+        counts = {cell.count for cell in cells if cell.count > 1}
+        if len(counts) < 2:
+            return cells
+        return tuple(cell if cell.count == 1 else self._wrapped(cell, size, axis) for cell in cells)
+
+    def _wrapped(self, cell: Cell, size: Floats, axis: int) -> Cell:
+        whole = cell.length * cell.count
+        own = np.where(np.arange(3) == axis, whole, size)
+        return Cell(whole, self.add(Rule("", own, (Split(axis, (cell,)),))), elastic=True)
+
+
+def repeats(item: Item) -> TypeGuard[Split]:
+    """Whether an item is a split with cells that repeat."""
+    return isinstance(item, Split) and any(cell.count > 1 for cell in item.cells)
+
+
+def is_cut(symbol: Symbol) -> bool:
+    """Whether the size of a symbol's scope matters to what it draws."""
+    items = symbol.items if isinstance(symbol, Rule) else ()
+    return any(isinstance(item, Split | Octant) for item in items)
+
+
+def _count(item: Place | Array | Ring) -> int:
+    match item:
+        case Place():
+            return len(item.frames)
+        case Array():
+            whole = np.prod([direction.count for direction in item.directions])
+            return int(whole) - len(item.holes)
+        case Ring():
+            return item.count - len(item.holes)

@@ -1,0 +1,111 @@
+"""Items of a scheme moved, put on other symbols, or taken over into another scheme.
+
+In go items, out come items that draw the same elsewhere. Nothing here weighs or searches.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import assert_never
+
+from ipmlang.inverse.frames import Floats, compose, moved_to
+from ipmlang.inverse.split.expansion import placements
+from ipmlang.inverse.split.scheme import (
+    Array,
+    Item,
+    Octant,
+    Place,
+    Ring,
+    Rule,
+    Scheme,
+    Split,
+    Symbol,
+)
+
+
+def copies(items: Sequence[Item]) -> bool:
+    """Whether items are copies, rows and rings alone: what can stand anywhere."""
+    return all(isinstance(each, Place | Array | Ring) for each in items)
+
+
+def moved(item: Place | Array | Ring, by: Floats) -> Place | Array | Ring:
+    """An item moved as it is by (3,)."""
+    match item:
+        case Place():
+            return replace(item, frames=compose(moved_to(by), item.frames))
+        case Array():
+            return replace(item, first=compose(moved_to(by), item.first))
+        case Ring():
+            first = compose(moved_to(by), item.first)
+            return replace(item, first=first, center=item.center + by)
+        case _:
+            assert_never(item)
+
+
+def begun_at(item: Place | Array | Ring, corner: Floats) -> Place | Array | Ring:
+    """The item for a symbol whose coordinates now begin at `corner` (3,) of those it had."""
+    if not corner.any():
+        return item
+    match item:
+        case Place():
+            return replace(item, frames=compose(item.frames, moved_to(corner)))
+        case Array() | Ring():
+            return replace(item, first=compose(item.first, moved_to(corner)))
+        case _:
+            assert_never(item)
+
+
+def on_symbols(item: Item, numbers: Mapping[int, int]) -> Item:
+    """The item with symbols numbered otherwise."""
+    match item:
+        case Place() | Array() | Ring() | Octant():
+            return replace(item, symbol=numbers[item.symbol])
+        case Split():
+            return replace(item, cells=tuple(
+                cell if cell.symbol is None else replace(cell, symbol=numbers[cell.symbol])
+                for cell in item.cells
+            ))  # fmt: skip
+        case _:
+            assert_never(item)
+
+
+def named_symbols(symbol: Symbol) -> set[int]:
+    """The symbols that a symbol's items place."""
+    if not isinstance(symbol, Rule):
+        return set()
+    return {each for item in symbol.items for each, _ in placements(item)}
+
+
+def needed(symbols: Sequence[Symbol], axiom: int) -> tuple[tuple[Symbol, ...], dict[int, int]]:
+    """The symbols that the axiom needs, each before those that place it, and their new numbers."""
+    seen, waiting = {axiom}, [axiom]
+    while waiting:
+        new = named_symbols(symbols[waiting.pop()]) - seen
+        seen |= new
+        waiting += sorted(new)
+    numbers = {old: new for new, old in enumerate(sorted(seen))}
+    kept: list[Symbol] = []
+    for old in sorted(seen):
+        symbol = symbols[old]
+        if isinstance(symbol, Rule):
+            items = tuple(on_symbols(item, numbers) for item in symbol.items)
+            symbol = replace(symbol, items=items)
+        kept.append(symbol)
+    return tuple(kept), numbers
+
+
+def owned(scheme: Scheme) -> list[set[int]]:
+    """Of each symbol those that are placed in it or below it, and nowhere else."""
+    users: list[set[int]] = [set() for _ in scheme.symbols]
+    for number, symbol in enumerate(scheme.symbols):
+        for each in named_symbols(symbol):
+            users[each].add(number)
+    own: list[set[int]] = []
+    for number in range(len(scheme.symbols)):
+        inside = {number}
+        for below in range(number - 1, -1, -1):
+            if users[below] and users[below] <= inside:
+                inside.add(below)
+        own.append(inside - {number})
+    return own

@@ -1,0 +1,132 @@
+"""Where a box can be cut: groups of what stands side by side along an axis, and which repeat.
+
+In go intervals, out come groups between which a plane passes, and runs of groups that follow each
+other at one step. What protrudes a little into its neighbour does not hinder a cut.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipmlang.inverse.frames import Floats, Integers
+from ipmlang.inverse.split.contents import Contents
+from ipmlang.inverse.split.distinct import numbered
+
+PROTRUDING = 0.15  # of its length that anything may stand out of its cell at either end
+LONGEST_PERIOD = 6  # groups that repeat together
+BACKDROPS = (1.0, 0.75, 0.45)  # of the whole length: what is longer may be left out of a cut
+FEW = 12  # rows that may be left out, or a third of all
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Groups:
+    """rows: of each group, from the first to the last along the axis; low, high (g,): where their
+    contents begin and end; backdrop: rows in no group.
+    """
+
+    rows: list[Integers]
+    low: Floats
+    high: Floats
+    backdrop: Integers
+
+
+def side_by_side(inside: Contents, axis: int, small: float) -> list[Groups]:
+    """The ways to cut along an axis, with more or less left standing behind the cut."""
+    low, high = inside.low[:, axis], inside.high[:, axis]
+    whole = float(high.max(initial=0.0) - low.min(initial=0.0))
+    found: list[Groups] = []
+    for share in BACKDROPS:
+        behind = high - low > share * whole + small
+        if behind.sum() > max(FEW, len(inside) // 3) or behind.all():
+            continue
+        groups = _groups(low, high, np.flatnonzero(~behind), np.flatnonzero(behind), small)
+        if not found or len(groups.rows) > len(found[-1].rows):
+            found.append(groups)
+    return [groups for groups in found if len(groups.rows) > 1]
+
+
+def _groups(low: Floats, high: Floats, rows: Integers, backdrop: Integers, small: float) -> Groups:
+    """Connected groups of the middles of intervals."""
+    give = PROTRUDING * (high[rows] - low[rows])
+    first, last = low[rows] + give, high[rows] - give
+    order = np.argsort(first, kind="stable")
+    rows, first, last = rows[order], first[order], last[order]
+    reached = np.maximum.accumulate(last)
+    groups = np.split(rows, np.flatnonzero(first[1:] > reached[:-1] + small) + 1)
+    return Groups(
+        groups,
+        np.array([low[each].min() for each in groups]),
+        np.array([high[each].max() for each in groups]),
+        backdrop,
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """`count` periods of `period` groups from group `first`, each `step` behind the one before;
+    count 1: no repetition.
+    """
+
+    first: int
+    period: int
+    count: int
+    step: float = 0.0
+
+
+def runs(inside: Contents, groups: Groups, axis: int, small: float) -> list[Run]:
+    """The groups as runs, the longest stretch of equal periods first chosen."""
+    label = _labels(inside, groups, axis, small)
+    found: list[Run] = []
+    waiting = [(0, len(label))]
+    while waiting:
+        begin, end = waiting.pop()
+        best = _longest(label, groups.low, begin, end, small)
+        if best is None:
+            found += [Run(each, 1, 1) for each in range(begin, end)]
+            continue
+        found.append(best)
+        waiting.append((begin, best.first))
+        waiting.append((best.first + best.period * best.count, end))
+    return sorted((run for run in found), key=lambda run: run.first)
+
+
+def _labels(inside: Contents, groups: Groups, axis: int, small: float) -> Integers:
+    """(g,) the same for groups that are the same but for their place along the axis."""
+    count = len(groups.rows)
+    owner = np.repeat(np.arange(count), [len(each) for each in groups.rows])
+    rows = np.concatenate(groups.rows)
+    place = inside.frames.position[rows].copy()
+    place[:, axis] -= groups.low[owner]
+    columns = [numbered(place[:, each], small) for each in range(3)]
+    told = np.stack([inside.kind[rows], *columns], axis=1)
+    order = np.lexsort((*told.T, owner))
+    parts = np.split(told[order], np.cumsum([len(each) for each in groups.rows])[:-1])
+    known: dict[bytes, int] = {}
+    return np.array([known.setdefault(each.tobytes(), len(known)) for each in parts])
+
+
+def _longest(label: Integers, low: Floats, begin: int, end: int, small: float) -> Run | None:
+    """The run that takes in most groups; of those the one with the shortest period."""
+    best: Run | None = None
+    for period in range(1, min(LONGEST_PERIOD, (end - begin) // 2) + 1):
+        step = low[begin + period : end] - low[begin : end - period]
+        equal = label[begin + period : end] == label[begin : end - period]
+        start = 0
+        while start < len(step):
+            stop = start
+            while (
+                stop < len(step)
+                and equal[stop]
+                and step[stop] > small
+                and abs(step[stop] - step[start]) <= small
+            ):
+                stop += 1
+            count = (stop - start) // period + 1
+            if count > 1 and (best is None or count * period > best.count * best.period):
+                first = begin + start
+                length = float(low[first + (count - 1) * period] - low[first])
+                best = Run(first, period, count, length / (count - 1))
+            start = max(stop, start + 1)
+    return best
