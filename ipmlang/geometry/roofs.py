@@ -25,7 +25,7 @@ from ipmlang.geometry.roof_base import (
     footprint,
 )
 from ipmlang.geometry.roof_ridges import direction, gable_edges
-from ipmlang.geometry.skeleton import skeleton_of
+from ipmlang.geometry.skeleton import Skeleton, skeleton_of
 from ipmlang.geometry.skeleton_rings import directions, following
 from ipmlang.geometry.solid import Floats, GeometryError, Solid
 
@@ -175,7 +175,11 @@ def _planes(base: Footprint, slopes: Sequence[float | None], overhang: float) ->
     around = eaves(base, drop, outwards)
     inwards = [1 / slope if slope else 0.0 for slope in slopes]
     speeds = [inwards[edge] if edge >= 0 else 0.0 for edge in around.origins]
-    found = skeleton_of(around.rings, speeds)
+    return roofed(base, around, skeleton_of(around.rings, speeds), speeds)
+
+
+def roofed(base: Footprint, around: Eaves, found: Skeleton, speeds: Sequence[float]) -> Solid:
+    """The roof whose planes rise from the eaves as a skeleton has it; `speeds` of its edges."""
     made = Faces()
     made.add_points(found.vertices.tolist(), base.level - around.drop)
     for k, (ring, speed) in enumerate(zip(found.faces, speeds, strict=True)):

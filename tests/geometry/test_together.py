@@ -8,14 +8,27 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
+import shapely
 
 from ipmlang.geometry.faces import faces, faces_of
 from ipmlang.geometry.footprints import footprint, sound
 from ipmlang.geometry.pieces import Piece
 from ipmlang.geometry.raising import extrude, extrusions
+from ipmlang.geometry.roof_ridges import FACING, gables_of_four
+from ipmlang.geometry.roofs import roof_gable, roof_hip
+from ipmlang.geometry.roofs_together import roofs
 from ipmlang.geometry.setbacks import setback
 from ipmlang.geometry.setbacks_together import setbacks
-from ipmlang.geometry.solid import Floats, GeometryError, Solid, makeup, polygon
+from ipmlang.geometry.skeleton import straight_skeleton
+from ipmlang.geometry.solid import (
+    Floats,
+    GeometryError,
+    Solid,
+    is_closed,
+    makeup,
+    polygon,
+    ring_points,
+)
 
 MANY = 1500
 
@@ -107,3 +120,94 @@ def test_faces_are_those_of_each_by_itself() -> None:
     solids = [extrude(one, 2.0) for one in lots(5, 200)] + lots(6, 100)
     for one, many in zip(solids, faces_of(solids), strict=True):
         assert same_pieces(many, faces(one))
+
+
+def quadrilateral(draw: np.random.Generator) -> Floats:
+    """Rectangles, squares, parallelograms, circles' corners and any four points, more or less
+    disturbed: ties of moments and folds are among them.
+    """
+    w, h = draw.uniform(1, 20, 2)
+    rectangle = np.array([(0, 0), (w, 0), (w, h), (0, h)])
+    angles = np.sort(draw.uniform(0, 2 * np.pi, 4))
+    kinds = [
+        rectangle + draw.uniform(-1, 1, (4, 2)) * draw.choice([0.0, 1e-9, 1e-3, 0.3, 1.0]),
+        rectangle / (w, h) * w + draw.uniform(-1, 1, (4, 2)) * draw.choice([0.0, 1e-12, 1e-5]),
+        rectangle + np.array([(0, 0), (0, 0), (1, 1), (1, 1)]) * draw.uniform(-5, 5, 2),
+        np.stack([np.cos(angles), np.sin(angles)], axis=1) * 10,
+        draw.uniform(-10, 10, (4, 2)),
+    ]
+    points = kinds[int(draw.integers(len(kinds)))]
+    turn = draw.uniform(0, 2 * np.pi) * draw.integers(2)
+    cosine, sine = np.cos(turn), np.sin(turn)
+    moved: Floats = points @ np.array([(cosine, sine), (-sine, cosine)]) + draw.uniform(-99, 99, 2)
+    return moved
+
+
+def bent(points: Floats, near: float) -> Floats:
+    """A ring (n, 3) without points at the place of the one before, or in the middle of an edge."""
+    points = points[np.abs(points - np.roll(points, 1, axis=0)).max(axis=1) > near]
+    back, on = np.roll(points, 1, axis=0) - points, np.roll(points, -1, axis=0) - points
+    (a, b, c), (u, v, w) = back.T, on.T
+    across = np.sqrt((b * w - c * v) ** 2 + (c * u - a * w) ** 2 + (a * v - b * u) ** 2)
+    span = np.sqrt(np.maximum((back**2).sum(axis=1), (on**2).sum(axis=1)))
+    kept: Floats = points[across > near * span]
+    return kept
+
+
+def assert_same_faces(one: Solid, other: Solid, near: float) -> None:
+    """The same faces with the same tags, but for points in the middle of straight edges."""
+    assert one.tags == other.tags
+    for face in range(len(one)):
+        for mine, yours in zip(ring_points(one, face), ring_points(other, face), strict=True):
+            left, right = bent(mine, near), bent(yours, near)
+            assert left.shape == right.shape
+            assert np.abs(left - right).max() <= near
+
+
+@pytest.mark.parametrize("gabled", [False, True])
+def test_roofs_are_those_of_the_general_algorithm(gabled: bool) -> None:
+    draw = np.random.default_rng(8)
+    polygons = [polygon(quadrilateral(draw)) for _ in range(MANY)]
+    degrees, overhang = draw.uniform(2, 80, MANY), draw.choice([0.0, 0.4, 3.0], MANY)
+    ridge = draw.choice([np.nan, 0.0, 33.0], MANY)
+    served = 0
+    for k, made in enumerate(roofs(polygons, degrees, overhang, ridge, gabled=gabled)):
+        if made is None:
+            continue
+        served += 1
+        assert is_closed(made)
+        angle, reach = float(degrees[k]), float(overhang[k])
+        if gabled:
+            way = None if np.isnan(ridge[k]) else float(ridge[k])
+            alone = roof_gable(polygons[k], angle, reach, way)
+        else:
+            alone = roof_hip(polygons[k], angle, reach)
+        size = float(np.ptp(alone.vertices, axis=0).max())
+        assert_same_faces(made, alone, 1e-7 * size)
+    assert served > MANY / 2
+
+
+def test_gables_of_four_stand_on_triangles_of_the_hip_roof() -> None:
+    """By definition: sides between sides that face each other, whose faces of a hip roof are
+    triangles, the most upright on the ridge first, never two that touch.
+    """
+    draw = np.random.default_rng(9)
+    corners = [quadrilateral(draw) for _ in range(MANY)]
+    corners = [each for each in corners if shapely.Polygon(each).is_valid
+               and shapely.Polygon(each).convex_hull.area < shapely.Polygon(each).area * (1 + 1e-9)
+               and shapely.LinearRing(each).is_ccw]  # fmt: skip
+    marks = gables_of_four(np.array(corners), np.full(len(corners), np.nan))
+    seen = 0
+    for each, gables in zip(corners, marks, strict=True):
+        faces_ = straight_skeleton([each]).faces
+        along = np.roll(each, -1, axis=0) - each
+        facing = np.roll(along, 1, axis=0), np.roll(along, -1, axis=0)
+        cosine = (facing[0] * facing[1]).sum(axis=1)
+        cosine /= np.linalg.norm(facing[0], axis=1) * np.linalg.norm(facing[1], axis=1)
+        fit = np.array([len(face) == 3 for face in faces_]) & (cosine < FACING)
+        if fit.any() and len(set(map(len, faces_))) == 2:
+            assert not (gables & ~fit).any()
+            assert gables.any()
+            seen += 1
+        assert not (gables & np.roll(gables, 1)).any()
+    assert seen > MANY / 4

@@ -212,6 +212,19 @@ def _extrudes(solids: Sequence[Solid], ways: Floats, values: Values) -> list[Sol
     return extrusions(solids, heights) if along == {None} else [None] * len(solids)
 
 
+def _roofs(*, gabled: bool) -> Callable[[Sequence[Solid], Floats, Values], list[Solid | None]]:
+    def body(solids: Sequence[Solid], ways: Floats, values: Values) -> list[Solid | None]:
+        from ipmlang.geometry.roofs_together import roofs
+
+        degrees, overhang, ridge = np.array(values, np.float64).T  # None becomes NaN
+        overhang = np.where(np.isnan(overhang), 0.0, overhang)
+        return roofs(solids, degrees, overhang, ridge, gabled=gabled)
+
+    return body
+
+
 TOGETHER: Mapping[str, Callable[[Sequence[Solid], Floats, Values], list[Solid | None]]] = {
     "extrude": _extrudes,
+    "roofHip": _roofs(gabled=False),
+    "roofGable": _roofs(gabled=True),
 }
