@@ -1,0 +1,274 @@
+"""Rows, grids and blocks among points: which stand in an array, with holes and uneven steps.
+
+Takes points of symbols that are turned alike; gives lattices with their rows and digits, directions
+fitted to them, the ones that save most first. Directions need not follow the axes nor be square to
+each other. Nothing here knows symbols.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from ipmlang.inverse.frames import Floats, Integers
+from ipmlang.inverse.numbers import shortest
+from ipmlang.inverse.split.scheme import Direction
+from ipmlang.inverse.split.snapping import Flags, label_rows, members, snap, snap_columns
+
+EVERY = 40  # points of which all pairs are looked at; of more, the nearest
+NEAREST = 8
+DIRECTIONS = 6  # directions that are followed
+LINES = 6  # longest lines, or fullest planes, that are tried along each
+FLAT = 0.2  # sine of the angle under which two directions do not span a plane
+SQUARE = 1e-6  # a direction this near to an axis is the axis
+DENSE = 16  # cells for each point, above which a lattice is not looked at
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Lattice:
+    """rows (k,) of the points that stand at digits (k, d); first (3,): where all digits are 0;
+    directions: d of them; holes: digits of members that are missing.
+    """
+
+    rows: Integers
+    digits: Integers
+    first: Floats
+    directions: tuple[Direction, ...]
+    holes: frozenset[tuple[int, ...]]
+
+
+def lattices(points: Floats, error: float, each: float) -> Iterator[Lattice]:
+    """Arrays among points (n, 3), exact to `error`; each: tokens that a point alone takes."""
+    if len(points) < 3:
+        return
+    along = directions(points, error)
+    for size in (1, 2, 3):
+        for basis in combinations(range(len(along)), size):
+            full = _completed(along[list(basis)])
+            if full is not None:
+                yield from _lattices(points, full, size, error, each)
+
+
+def directions(points: Floats, error: float) -> Floats:
+    """(d, 3) unit directions that many pairs of points share, the most frequent first."""
+    first, second = _pairs(points)
+    away = points[second] - points[first]
+    length = np.linalg.norm(away, axis=1)
+    away, length = away[length > 4 * error], length[length > 4 * error]
+    if len(away) == 0:
+        return np.zeros((0, 3))
+    unit = away / length[:, None]
+    unit[np.abs(unit) < SQUARE] = 0.0
+    lead = unit[np.arange(len(unit)), np.argmax(unit != 0, axis=1)]
+    unit = unit * np.sign(lead)[:, None] + 0.0
+    near = max(SQUARE, 4 * error / float(np.median(length)))
+    label, count = label_rows(snap_columns(unit, near))
+    # the longest pair of a kind says best where it points
+    order = np.lexsort((-length, label))
+    best = unit[order[np.searchsorted(label[order], np.arange(len(count)))]]
+    straight = np.abs(best).max(axis=1) > 1 - SQUARE
+    best[straight] = np.round(best[straight])
+    rank = np.lexsort((*best.T, ~straight, -count))
+    rank = rank[(count[rank] > 1) | straight[rank]]
+    return np.asarray(best[rank[:DIRECTIONS]])
+
+
+def _pairs(points: Floats) -> tuple[Integers, Integers]:
+    if len(points) <= EVERY:
+        one, two = np.triu_indices(len(points), 1)
+        return one.astype(np.int64), two.astype(np.int64)
+    from scipy.spatial import cKDTree
+
+    near = np.asarray(cKDTree(points).query(points, k=NEAREST + 1)[1])
+    first = np.repeat(np.arange(len(points)), NEAREST)
+    return first, near[:, 1:].ravel().astype(np.int64)
+
+
+def _completed(along: Floats) -> Floats | None:
+    """(3, 3) columns: the directions and what is square to them; None if they are too flat."""
+    if len(along) == 1:
+        other = np.eye(3)[np.argmin(np.abs(along[0]))]
+        second = np.cross(along[0], other)
+        along = np.stack([along[0], second / np.linalg.norm(second)])
+    if len(along) == 2:
+        third = np.cross(along[0], along[1])
+        sine = float(np.linalg.norm(third))
+        if sine < FLAT:
+            return None
+        along = np.concatenate([along, third[None] / sine])
+    return np.asarray(along.T) if abs(np.linalg.det(along)) > FLAT else None
+
+
+def _lattices(
+    points: Floats, basis: Floats, size: int, error: float, each: float
+) -> Iterator[Lattice]:
+    """Those along the first `size` columns of a basis."""
+    place = np.asarray(np.linalg.solve(basis, points.T).T, np.float64)
+    place -= place.min(axis=0)
+    label = snap_columns(place, 2 * error)
+    group, count = label_rows(label[:, size:])
+    groups = members(group, len(count))
+    groups = [own for own in groups if len(own) >= 3 and len(own) > size]
+    groups.sort(key=lambda own: (-len(own), int(own[0])))
+    for own in groups[:LINES]:
+        for rows in _choices(place[own, :size], label[own, :size], error, each):
+            found = _fit(points, own[rows], place[:, :size], label[:, :size], basis, error)
+            if found is not None:
+                yield found
+
+
+def _choices(place: Floats, label: Integers, error: float, each: float) -> Iterator[Integers]:
+    """Rows of points with places (n, d) along directions that may be an array."""
+    if place.shape[1] == 1:
+        yield np.sort(np.unique(label[:, 0], return_index=True)[1])
+        yield from _even(place[:, 0], error)
+        return
+    rows = _full_box(label, each)
+    if len(rows) >= 3 and (np.ptp(label[rows], axis=0) > 0).all():
+        yield rows
+
+
+def _even(along: Floats, error: float) -> Iterator[Integers]:
+    """Rows of points on a line that stand in equal steps, a few missing."""
+    order = np.argsort(along, kind="stable")
+    gaps = np.diff(along[order])
+    gaps = gaps[gaps > 4 * error]
+    if len(gaps) < 2:
+        return
+    label, count = label_rows(snap(gaps, 4 * error)[:, None])
+    for kind in np.lexsort((np.arange(len(count)), -count))[:3].tolist():
+        step = float(np.mean(gaps[label == kind]))
+        digit = np.round((along[order] - along[order[0]]) / step)
+        rest = (along[order] - along[order[0]]) - digit * step
+        bins, sizes = label_rows(snap(rest, max(4 * error, 0.02 * step))[:, None])
+        for own in members(bins, len(sizes)):
+            runs = np.split(own, np.nonzero(np.diff(digit[own]) > 2)[0] + 1)
+            best = max(runs, key=len)
+            best = best[np.unique(digit[best], return_index=True)[1]]
+            if len(best) >= 3:
+                yield order[best]
+
+
+def _full_box(label: Integers, each: float) -> Integers:
+    """Rows of the points in the fullest box of a lattice: sparse slices are peeled off."""
+    rows = np.sort(np.unique(label, axis=0, return_index=True)[1])
+    while True:  # a slice with a single point in it never pays
+        slim = np.zeros(len(rows), np.bool_)
+        for column in label[rows].T:
+            amount = np.bincount(column)
+            slim |= amount[column] < 2
+        if not slim.any():
+            break
+        rows = rows[~slim]
+        if len(rows) < 4:
+            return np.zeros(0, np.int64)
+    index = np.stack([np.unique(column, return_inverse=True)[1] for column in label[rows].T], 1)
+    shape = tuple((index.max(axis=0) + 1).tolist())
+    if np.prod(shape) > DENSE * len(rows):
+        return np.zeros(0, np.int64)
+    dense = np.zeros(shape, np.bool_)
+    dense[tuple(index.T)] = True
+    kept = _peeled(dense, each)
+    inside = np.ones(len(rows), np.bool_)
+    for axis, alive in enumerate(kept):
+        inside &= alive[index[:, axis]]
+    return rows[inside]
+
+
+def _peeled(dense: Flags, each: float) -> list[Flags]:
+    """Which slices along each axis are in the box that saves most tokens."""
+    sizes, axes = dense.shape, dense.ndim
+    alive = [np.ones(size, np.bool_) for size in sizes]
+    filled = dense.astype(np.float64)
+    best, least = [each_axis.copy() for each_axis in alive], -np.inf
+    while True:
+        whole = np.prod([own.sum() for own in alive])
+        there = float(filled.sum())
+        gain = each * there - axes * (whole - there) - sum(2.0 * own.sum() for own in alive)
+        if gain > least:
+            best, least = [own.copy() for own in alive], gain
+        worst: tuple[float, int, int] | None = None
+        for axis, own in enumerate(alive):
+            if own.sum() <= 2:
+                continue
+            others = tuple(a for a in range(axes) if a != axis)
+            amount = filled.sum(axis=others)
+            value = each * amount - axes * (whole / own.sum() - amount)
+            value[~own] = np.inf
+            index = int(np.argmin(value))
+            if worst is None or value[index] < worst[0]:
+                worst = (float(value[index]), axis, index)
+        if worst is None or (gain < least and worst[0] > each):
+            return best
+        _, axis, index = worst
+        alive[axis][index] = False
+        filled[(slice(None),) * axis + (index,)] = 0.0
+
+
+def _fit(
+    points: Floats, rows: Integers, place: Floats, label: Integers, basis: Floats, error: float
+) -> Lattice | None:
+    """The array that points stand in, its numbers fitted and made short; None if it is off."""
+    size = place.shape[1]
+    axes = [_axis(place[rows, a], label[rows, a], error) for a in range(size)]
+    digits = np.stack([digit for digit, _ in axes], axis=1)
+    offset = np.stack([values[digit] for digit, values in axes], axis=1)
+    known = np.concatenate([np.ones((len(rows), 1)), offset], axis=1)
+    solved = np.linalg.lstsq(known, points[rows], rcond=None)[0]
+    first, along = solved[0], solved[1:]
+    made = [_direction(axes[a][1], along[a], basis[:, a], error / (2 * size)) for a in range(size)]
+    where = np.zeros((len(rows), 3))
+    for a, direction in enumerate(made):
+        where += _offsets(direction)[digits[:, a]]
+    first = np.array([shortest(v, error / 8) for v in (points[rows] - where).mean(axis=0)])
+    if np.linalg.norm(first + where - points[rows], axis=1).max() > error:
+        return None
+    holes = _holes(digits, [direction.count for direction in made])
+    return Lattice(rows, digits, first, tuple(made), holes)
+
+
+def _axis(place: Floats, label: Integers, error: float) -> tuple[Integers, Floats]:
+    """(k,) digits along an axis and (c,) where each digit stands, the first at 0."""
+    digit = np.unique(label, return_inverse=True)[1].reshape(-1).astype(np.int64)
+    total = np.bincount(digit, weights=place)
+    values: Floats = np.asarray(total / np.bincount(digit))
+    values = values - values[0]
+    gaps = np.diff(values)
+    step = float(gaps.min())
+    whole = np.round(values / step)
+    fine = float(whole @ values / (whole @ whole))
+    if np.abs(whole * fine - values).max() < 2 * error and whole[-1] < 1.5 * len(values):
+        even = np.asarray(np.arange(int(whole[-1]) + 1) * fine, np.float64)
+        return whole.astype(np.int64)[digit], even
+    return digit, np.asarray(values, np.float64)
+
+
+def _direction(values: Floats, along: Floats, wanted: Floats, error: float) -> Direction:
+    """A direction through offsets, `along` for each unit of them; `wanted`: what it should be."""
+    count = len(values)
+    if np.abs(np.diff(values, 2)).max(initial=0.0) <= 1e-12 * (1 + values[-1]):
+        step = along * values[1]
+        return Direction(count, np.array([shortest(v, error / count) for v in step]))
+    length = float(np.linalg.norm(along))
+    unit = along / length
+    if np.abs(unit - wanted).max() * values[-1] < error:
+        unit = wanted
+    steps = [shortest(float(gap), error / count) for gap in np.diff(values) * length]
+    return Direction(count, unit, tuple(steps))
+
+
+def _offsets(direction: Direction) -> Floats:
+    along = np.arange(direction.count, dtype=np.float64)
+    if direction.steps:
+        along = np.concatenate([[0.0], np.cumsum(direction.steps)])
+    return np.asarray(along[:, None] * direction.step)
+
+
+def _holes(digits: Integers, counts: list[int]) -> frozenset[tuple[int, ...]]:
+    there = {tuple(row) for row in digits.tolist()}
+    every = np.stack(np.meshgrid(*map(np.arange, counts), indexing="ij"), axis=-1)
+    every = every.reshape(-1, len(counts))
+    return frozenset(tuple(row) for row in every.tolist() if tuple(row) not in there)

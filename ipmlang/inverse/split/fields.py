@@ -1,0 +1,134 @@
+"""Fields: the rows of a draft made ready for two questions, what stands there and what is near.
+
+Built once for a draft, on k-d trees; answers are rows of its table. Lookups compare whole frames
+modulo the symmetry of the symbol. Nothing here decides what is worth a rule.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ipmlang.inverse.frames import Floats, Integers
+from ipmlang.inverse.split.drafts import Draft, boxes, points
+from ipmlang.inverse.split.figures import misses
+from ipmlang.inverse.split.snapping import Flags, members
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
+
+AROUND = 12  # nearest rows by their centers
+TOUCHING = 16  # rows whose boxes touch, at most
+SAME = 4  # rows that may share a center
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Field:
+    """points: (n, 4, 3) probes; spots: (n, 4) centers and what must be equal, for the tree;
+    begin (n + 1,), near: the neighbours of row i are near[begin[i]:begin[i + 1]].
+    """
+
+    draft: Draft
+    points: Floats
+    tree: cKDTree
+    apart: float
+    begin: Integers
+    near: Integers
+
+    def around(self, rows: Integers) -> Integers:
+        """Rows near to any of these, in order, these left out."""
+        found = [self.near[self.begin[row] : self.begin[row + 1]] for row in rows.tolist()]
+        return np.setdiff1d(np.concatenate([*found, np.zeros(0, np.int64)]), rows)
+
+
+def field_of(draft: Draft) -> Field:
+    """The field of a draft."""
+    from scipy.spatial import cKDTree
+
+    placed = points(draft)
+    extent = float(np.ptp(placed.reshape(-1, 3), axis=0).max()) if len(placed) else 1.0
+    apart = 4 * extent + 1.0
+    key = draft.body * len(draft.figures) + draft.symbol
+    tree = cKDTree(np.concatenate([placed[:, 0], apart * key[:, None]], axis=1))
+    begin, near = _neighbours(draft, placed[:, 0], apart)
+    return Field(draft, placed, tree, apart, begin, near)
+
+
+def look_up(
+    field: Field, wanted: Floats, symbol: Integers, body: Integers, error: float
+) -> Integers:
+    """(p,) the rows that stand as probes (p, 4, 3) say, -1 where none does."""
+    found = np.full(len(wanted), -1, np.int64)
+    if len(wanted) == 0:
+        return found
+    key = body * len(field.draft.figures) + symbol
+    spots = np.concatenate([wanted[:, 0], field.apart * key[:, None]], axis=1)
+    near = np.asarray(field.tree.query(spots, k=SAME, distance_upper_bound=error)[1])
+    ask, rank = np.nonzero(near < len(field.draft))
+    row = near[ask, rank]
+    good = agree(field, row, wanted[ask], error)
+    for each, hit in zip(ask[good][::-1].tolist(), row[good][::-1].tolist(), strict=True):
+        found[each] = hit
+    return found
+
+
+def agree(field: Field, rows: Integers, wanted: Floats, error: float) -> Flags:
+    """(p,) whether rows stand as probes (p, 4, 3) say, up to their symbols' symmetry."""
+    good = np.zeros(len(rows), np.bool_)
+    symbol = field.draft.symbol[rows]
+    for each in np.unique(symbol).tolist():
+        own = np.nonzero(symbol == each)[0]
+        shape = field.draft.figures[each]
+        good[own] = misses(shape, wanted[own], field.draft.frames[rows[own]])[0] <= error
+    return good
+
+
+def _neighbours(draft: Draft, center: Floats, apart: float) -> tuple[Integers, Integers]:
+    """Rows of the same body that touch or are nearest, in both directions."""
+    from scipy.spatial import cKDTree
+
+    count = len(draft)
+    if count < 2:
+        return np.zeros(count + 1, np.int64), np.zeros(0, np.int64)
+    spots = np.concatenate([center, apart * draft.body[:, None]], axis=1)
+    near = np.asarray(cKDTree(spots).query(spots, k=min(AROUND + 1, count))[1])
+    first = np.repeat(np.arange(count), near.shape[1])
+    second = near.ravel()
+    touch = _touching(draft, center)
+    first, second = np.concatenate([first, touch[0]]), np.concatenate([second, touch[1]])
+    inside = (first != second) & (draft.body[first] == draft.body[second])
+    pairs = np.stack([first[inside], second[inside]], axis=1)
+    both = np.unique(np.concatenate([pairs, pairs[:, ::-1]]), axis=0)
+    return np.searchsorted(both[:, 0], np.arange(count + 1)), both[:, 1].astype(np.int64)
+
+
+def _touching(draft: Draft, center: Floats) -> tuple[Integers, Integers]:
+    """Pairs of rows whose boxes meet; of each row the nearest few, by their centers."""
+    import shapely
+
+    low, high = boxes(draft)
+    slack = 1e-3 * float(np.ptp(center, axis=0).max() + 1e-9)
+    pairs = [(np.zeros(0, np.int64), np.zeros(0, np.int64))]
+    for rows in members(draft.body, draft.bodies):
+        if len(rows) < 2:
+            continue
+        flat = shapely.box(*(low[rows, :2] - slack).T, *(high[rows, :2] + slack).T)
+        one, two = shapely.STRtree(flat).query(flat)
+        one, two = rows[one], rows[two]
+        meets = (low[one, 2] <= high[two, 2] + slack) & (low[two, 2] <= high[one, 2] + slack)
+        one, two = one[meets & (one != two)], two[meets & (one != two)]
+        pairs.append(_nearest(one, two, np.linalg.norm(center[one] - center[two], axis=1)))
+    return (
+        np.concatenate([pair[0] for pair in pairs]),
+        np.concatenate([pair[1] for pair in pairs]),
+    )
+
+
+def _nearest(one: Integers, two: Integers, distance: Floats) -> tuple[Integers, Integers]:
+    """Of every row in `one` the pairs with the smallest distances."""
+    order = np.lexsort((two, np.round(distance, 9), one))
+    one, two = one[order], two[order]
+    rank = np.arange(len(one)) - np.searchsorted(one, one)
+    return one[rank < TOUCHING], two[rank < TOUCHING]

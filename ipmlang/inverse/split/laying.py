@@ -1,0 +1,157 @@
+"""Laying motifs: from rows that seem to be equal groups to a rule's body and exact placements.
+
+The motion to every occurrence is fitted to all its rows at once and made plain where the error
+allows; an occurrence that is not exact then is left out. Also where a body looks the same when it
+is moved onto itself. Nothing here counts tokens but to choose how a body is turned.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ipmlang.inverse.frames import (
+    Floats,
+    Frames,
+    Integers,
+    compose,
+    from_matrices,
+    inverse,
+    linear,
+    matrices,
+    moved_to,
+)
+from ipmlang.inverse.split.cost import placement_tokens
+from ipmlang.inverse.split.drafts import Draft, Limits, Motif, motif_box
+from ipmlang.inverse.split.fields import Field, field_of, look_up
+from ipmlang.inverse.split.figures import MOST_FRAMES, misses
+from ipmlang.inverse.split.growth import Grown
+
+TRIED = 6  # occurrences whose own way of standing the body may take
+
+
+def laid(field: Field, grown: Grown, limits: Limits) -> Motif | None:
+    """The motif with exact places; None if fewer than two occurrences are exact."""
+    draft = field.draft
+    target = _targets(draft, field.points, grown)
+    motion = plain(fitted(field.points[grown.rows[0]].reshape(-1, 3), target, grown.motion))
+    places = _rounded(from_matrices(motion), limits)
+    exact = _errors(draft, field.points, grown.rows, places) <= limits.error
+    if exact.sum() < 2 or not exact[0]:
+        return None
+    rows, places = grown.rows[exact], places[exact]
+    return _turned(draft, rows, places, limits)
+
+
+def fitted(source: Floats, target: Floats, near: Floats) -> Floats:
+    """(k, 3, 4) least-squares rigid motions of points (p, 3) to (k, p, 3), with the handedness
+    and the scale of those nearby.
+    """
+    scale = np.cbrt(np.abs(np.linalg.det(near[:, :, :3])))
+    hand = np.sign(np.linalg.det(near[:, :, :3]))
+    middle, middles = source.mean(axis=0), target.mean(axis=1)
+    spread = np.einsum("pi,kpj->kij", source - middle, target - middles[:, None])
+    left, _, right = np.linalg.svd(spread)
+    flip = np.ones((len(target), 3))
+    flip[:, 2] = hand * np.sign(np.linalg.det(left @ right))
+    turn = np.einsum("kji,kj,klj->kil", right, flip, left) * scale[:, None, None]
+    return np.concatenate([turn, (middles - turn @ middle)[:, :, None]], axis=2)
+
+
+def plain(motion: Floats, near: float = 1e-6) -> Floats:
+    """The same motions, with turns that are all but exact quarter turns made exact."""
+    whole = np.round(motion[:, :, :3])
+    close = np.abs(motion[:, :, :3] - whole).max(axis=(1, 2)) < near
+    result = motion.copy()
+    result[close, :, :3] = whole[close]
+    return result
+
+
+def _rounded(places: Frames, limits: Limits) -> Frames:
+    """Places with coordinates of no more decimals than the error calls for."""
+    decimals = int(np.ceil(-np.log10(max(limits.error, 1e-15) / 4)))
+    position = np.round(places.position, decimals) + 0.0
+    return Frames(position, places.rotation, places.hand, places.scale)
+
+
+def _targets(draft: Draft, points: Floats, grown: Grown) -> Floats:
+    """(k, 4 m, 3) where the probes of the first occurrence go in each, under the symmetries that
+    the motions call for.
+    """
+    found = []
+    for column in grown.rows.T:
+        shape = draft.figures[draft.symbol[column[0]]]
+        wanted = np.einsum("kij,pj->kpi", grown.motion[:, :, :3], points[column[0]])
+        wanted += grown.motion[:, None, :, 3]
+        own = draft.frames[column]
+        which = misses(shape, wanted, own)[1]
+        turned = np.einsum("kij,kpj->kpi", linear(own), shape.images[which])
+        found.append(turned + own.position[:, None])
+    return np.concatenate(found, axis=1)
+
+
+def _errors(draft: Draft, points: Floats, rows: Integers, places: Frames) -> Floats:
+    """(k,) the largest distance of a probe from where the places put it."""
+    worst = np.zeros(len(rows))
+    motion = matrices(places)
+    for column in rows.T:
+        shape = draft.figures[draft.symbol[column[0]]]
+        wanted = np.einsum("kij,pj->kpi", motion[:, :, :3], points[column[0]])
+        wanted += motion[:, None, :, 3]
+        worst = np.maximum(worst, misses(shape, wanted, draft.frames[column])[0])
+    return worst
+
+
+def _turned(draft: Draft, rows: Integers, places: Frames, limits: Limits) -> Motif:
+    """The motif whose body is turned as the occurrence that makes all of it shortest."""
+    best, least = None, np.inf
+    for index in range(min(TRIED, len(rows))):
+        inside = draft.frames[rows[index]]
+        outside = compose(places, inverse(places[index : index + 1]))
+        moved = Motif(rows, outside, inside)
+        effort = float(placement_tokens(inside, limits.small).sum())
+        effort += float(placement_tokens(outside, limits.small).sum())
+        if effort < least - 0.5:
+            best, least = moved, effort
+    assert best is not None
+    return _cornered(draft, best, limits)
+
+
+def _cornered(draft: Draft, motif: Motif, limits: Limits) -> Motif:
+    """The motif whose body begins at the low corner of its box."""
+    low, _ = motif_box(draft, motif)
+    inside = compose(moved_to(-low[None]), motif.inside)
+    places = _rounded(compose(motif.places, moved_to(low[None])), limits)
+    return Motif(motif.rows, places, inside)
+
+
+def symmetry_of(draft: Draft, motif: Motif, limits: Limits) -> Frames:
+    """(s,) motions of a motif's body onto itself, the identity first."""
+    symbol = draft.symbol[motif.rows[0]]
+    count = len(symbol)
+    own = Draft(draft.figures, draft.classes, np.zeros(count, np.int64), symbol, motif.inside)
+    field = field_of(own)
+    amount = np.bincount(symbol, minlength=len(draft.figures))
+    many = np.array([len(shape.symmetry) for shape in draft.figures])
+    rarest = int(np.argmin(np.where(amount > 0, amount * many, amount.max() * many.max() + 1)))
+    anchor = np.nonzero(symbol == rarest)[0]
+    ways = _ways(own, rarest, anchor)
+    for row in range(count):
+        if len(ways) < 2:
+            break
+        wanted = np.einsum("aij,pj->api", matrices(ways)[:, :, :3], field.points[row])
+        wanted += ways.position[:, None]
+        label = np.full(len(ways), symbol[row])
+        hit = look_up(field, wanted, label, np.zeros(len(ways), np.int64), limits.error)
+        ways = ways[hit >= 0]
+    exact = _rounded(from_matrices(plain(matrices(ways))), limits)
+    return exact[:MOST_FRAMES]
+
+
+def _ways(own: Draft, symbol: int, anchor: Integers) -> Frames:
+    """Motions that take the first row of a symbol to any, the identity first."""
+    shape = own.figures[symbol]
+    many = len(shape.symmetry)
+    rows = np.repeat(anchor, many)
+    turned = shape.symmetry[np.tile(np.arange(many), len(anchor))]
+    ways = compose(compose(own.frames[rows], turned), inverse(own.frames[anchor[:1]]))
+    return ways

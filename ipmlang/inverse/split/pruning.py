@@ -1,0 +1,57 @@
+"""Rules that do not earn their keep are put back where they are used.
+
+Takes a draft, gives one that is no longer: a rule used once, or one that what was found later made
+needless, is replaced by what it draws. Nothing here finds rules.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ipmlang.inverse.frames import compose, join
+from ipmlang.inverse.split.cost import HEAD
+from ipmlang.inverse.split.drafts import Draft, Limits
+from ipmlang.inverse.split.patterns import Memory, arranged
+from ipmlang.inverse.split.snapping import label_rows, members
+
+
+def tokens_of(draft: Draft, limits: Limits, memory: Memory) -> float:
+    """Tokens of all bodies, each symbol's copies in its patterns."""
+    label, count = label_rows(np.stack([draft.body, draft.symbol], axis=1))
+    total = 0
+    for rows in members(label, len(count)):
+        symbol = int(draft.symbol[rows[0]])
+        found = arranged(draft.figures[symbol], draft.frames[rows], symbol, limits, memory)
+        total += found.tokens
+    return total + HEAD * len(np.unique(np.concatenate([draft.body, [0]])))
+
+
+def pruned(draft: Draft, limits: Limits, memory: Memory) -> Draft:
+    """The draft without the rules that do not pay; their bodies stay empty."""
+    now = tokens_of(draft, limits, memory)
+    while True:
+        for body in range(draft.bodies - 1, 0, -1):
+            if not (draft.body == body).any():
+                continue
+            other = unfolded(draft, body)
+            tokens = tokens_of(other, limits, memory)
+            if tokens <= now:
+                draft, now = other, tokens
+                break
+        else:
+            return draft
+
+
+def unfolded(draft: Draft, body: int) -> Draft:
+    """The draft with what a body draws in place of each use of it."""
+    symbol = draft.classes + body - 1
+    uses, own = np.nonzero(draft.symbol == symbol)[0], np.nonzero(draft.body == body)[0]
+    kept = (draft.symbol != symbol) & (draft.body != body)
+    outer, inner = np.repeat(uses, len(own)), np.tile(own, len(uses))
+    return Draft(
+        draft.figures,
+        draft.classes,
+        np.concatenate([draft.body[kept], draft.body[outer]]),
+        np.concatenate([draft.symbol[kept], draft.symbol[inner]]),
+        join([draft.frames[kept], compose(draft.frames[outer], draft.frames[inner])]),
+    )

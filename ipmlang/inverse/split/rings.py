@@ -1,0 +1,239 @@
+"""Rings, spiral stairs, spirals: symbols that one turn about an axis takes from each to the next.
+
+Takes placements of one symbol; gives rings with their members, fitted. A symbol's symmetry is used:
+what is round itself may stand in any ring. Nothing here counts tokens.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ipmlang.inverse.frames import (
+    Floats,
+    Frames,
+    Integers,
+    compose,
+    from_matrices,
+    inverse,
+    matrices,
+)
+from ipmlang.inverse.numbers import shortest
+from ipmlang.inverse.split.expansion import placements
+from ipmlang.inverse.split.figures import Figure, misses, probed
+from ipmlang.inverse.split.scheme import Ring
+from ipmlang.inverse.split.snapping import label_rows, snap_columns
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
+
+EVERY = 16  # placements of which all pairs are looked at; of more, the nearest
+NEAREST = 4
+FRAMES = 16  # frames of a symmetry that are tried
+MOTIONS = 12  # motions that are followed
+LEAST = 2.0  # degrees of a step
+MISSING = 2  # members in a row that may be missing
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Turn:
+    """center, axis (3,), angle in degrees a step, rise along the axis, growth."""
+
+    center: Floats
+    axis: Floats
+    angle: float
+    rise: float
+    growth: float
+
+
+def rings(
+    shape: Figure, frames: Frames, symbol: int, error: float
+) -> Iterator[tuple[Integers, Ring]]:
+    """Rows of frames (n,) with the rings that they are, those of three and more."""
+    if len(frames) < 3:
+        return
+    points = probed(shape, frames)
+    for first, motion in _motions(shape, frames, points, error):
+        chain = _chain(shape, frames, points, first, motion, error)
+        if len(chain) >= 3:
+            found = _fitted(shape, frames, points, chain, motion, symbol, error)
+            if found is not None:
+                yield found
+
+
+def _motions(
+    shape: Figure, frames: Frames, points: Floats, error: float
+) -> Iterator[tuple[int, Floats]]:
+    """Turns (3, 4) that take several placements to the next, each with one of these."""
+    one, two = _pairs(points[:, 0])
+    many = min(len(shape.symmetry), FRAMES)
+    own = shape.symmetry[np.tile(np.arange(many), len(one))]
+    one, two = np.repeat(one, many), np.repeat(two, many)
+    motion = compose(compose(frames[two], own), inverse(frames[one]))
+    turned = 2 * np.degrees(np.arccos(np.clip(np.abs(motion.rotation[:, 0]), 0, 1)))
+    good = (motion.hand > 0) & (turned > LEAST)
+    one, matrix = one[good], matrices(motion[good])
+    if len(one) == 0:
+        return
+    reach = max(float(np.abs(points).max()), 1e-9)
+    scaled = matrix.reshape(-1, 12) / np.tile([1, 1, 1, reach], 3)
+    label, count = label_rows(snap_columns(scaled, max(1e-6, 8 * error / shape.reach)))
+    _, start = np.unique(label, return_index=True)
+    angle = turned[good][start]
+    order = np.lexsort((start, np.round(angle, 4), -count))
+    for kind in order[count[order] > 1][:MOTIONS].tolist():
+        yield int(one[start[kind]]), matrix[start[kind]]
+
+
+def _pairs(center: Floats) -> tuple[Integers, Integers]:
+    count = len(center)
+    if count <= EVERY:
+        one, two = np.nonzero(~np.eye(count, dtype=np.bool_))
+        return one.astype(np.int64), two.astype(np.int64)
+    from scipy.spatial import cKDTree
+
+    near = np.asarray(cKDTree(center).query(center, k=NEAREST + 1)[1])
+    one = np.repeat(np.arange(count), NEAREST + 1)
+    two = near.ravel().astype(np.int64)
+    return one[one != two], two[one != two]
+
+
+def _chain(
+    shape: Figure, frames: Frames, points: Floats, first: int, motion: Floats, error: float
+) -> Integers:
+    """(k,) rows that the motion leads to from `first`, backwards and onwards; -1: missing."""
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(points[:, 0])
+    back = matrices(inverse(from_matrices(motion)))[0]
+    onwards = _walk(shape, frames, points, tree, first, motion, error)
+    if len(onwards) > 2 and first in onwards[1:]:
+        return np.array(onwards[: onwards.index(first, 1)], np.int64)
+    before = _walk(shape, frames, points, tree, first, back, error)
+    return np.array(before[:0:-1] + onwards, np.int64)
+
+
+def _walk(
+    shape: Figure,
+    frames: Frames,
+    points: Floats,
+    tree: cKDTree,
+    first: int,
+    motion: Floats,
+    error: float,
+) -> list[int]:
+    """Rows from `first` on, -1 for what is missing between, until it comes back or ends."""
+    chain, at, missing = [first], points[first], 0
+    seen = {first}
+    near = 8 * error
+    while missing <= MISSING and len(chain) < 2 * len(frames) + 4:
+        at = at @ motion[:, :3].T + motion[:, 3]
+        hit = -1
+        for row in sorted(tree.query_ball_point(at[0], near)):
+            if misses(shape, at[None], frames[row : row + 1])[0][0] <= near:
+                hit = row
+                at = _settled(shape, at, frames[row : row + 1])
+                break
+        missing = 0 if hit >= 0 else missing + 1
+        if hit in seen:
+            if hit == first:
+                chain.append(hit)
+            break
+        if hit >= 0:
+            seen.add(hit)
+        chain.append(hit)
+    while chain[-1] < 0:
+        chain.pop()
+    return chain
+
+
+def _settled(shape: Figure, at: Floats, frame: Frames) -> Floats:
+    """The probes of a row, in the order that those at `at` are."""
+    which = int(misses(shape, at[None], frame)[1][0])
+    return np.asarray(shape.images[which] @ matrices(frame)[0][:, :3].T + frame.position[0])
+
+
+def _fitted(
+    shape: Figure,
+    frames: Frames,
+    points: Floats,
+    chain: Integers,
+    motion: Floats,
+    symbol: int,
+    error: float,
+) -> tuple[Integers, Ring] | None:
+    """The ring that a chain is; None if it is off."""
+    index = np.nonzero(chain >= 0)[0]
+    rows = chain[index]
+    turn = _turn(motion, points[rows, 0], index, error)
+    if turn is None:
+        return None
+    first = frames[rows[:1]]
+    holes = frozenset(np.nonzero(chain < 0)[0].tolist())
+    ring = Ring(
+        symbol,
+        first,
+        len(chain),
+        turn.center,
+        turn.axis,
+        turn.angle,
+        turn.rise,
+        turn.growth,
+        holes,
+    )
+    made = placements(ring)[0][1]
+    off = misses(shape, probed(shape, made), frames[rows])[0]
+    return (rows, ring) if off.max() <= error else None
+
+
+def _turn(motion: Floats, centers: Floats, index: Integers, error: float) -> Turn | None:
+    """Axis, angle and rise, fitted to where the members' centers stand."""
+    from scipy.spatial.transform import Rotation
+
+    growth = float(np.cbrt(np.linalg.det(motion[:, :3])))
+    growth = 1.0 if abs(growth - 1) < 1e-6 else growth
+    vector = Rotation.from_matrix(motion[:, :3] / growth).as_rotvec()
+    angle = float(np.degrees(np.linalg.norm(vector)))
+    axis = vector / np.linalg.norm(vector)
+    lead = int(np.argmax(np.abs(axis)))
+    if np.abs(np.delete(axis, lead)).max() < 1e-5:
+        axis = np.eye(3)[lead] * np.sign(axis[lead])
+    if axis[lead] < 0:
+        axis, angle = -axis, -angle
+    angle = _whole(angle, centers, index, error)
+    return _axis(centers, index, axis + 0.0, angle, growth, error)
+
+
+def _whole(angle: float, centers: Floats, index: Integers, error: float) -> float:
+    """The angle, as a share of the full turn or with few decimals where that is as good."""
+    share = 360.0 / abs(angle)
+    if abs(share - round(share)) < 1e-4:
+        return float(np.sign(angle) * 360.0 / round(share))
+    reach = float(np.ptp(centers, axis=0).max()) + error
+    return shortest(angle, np.degrees(error / reach) / (4 * int(index[-1]) + 1))
+
+
+def _axis(
+    centers: Floats, index: Integers, axis: Floats, angle: float, growth: float, error: float
+) -> Turn | None:
+    """Where the axis stands and how much a step rises, by least squares: linear in the center, the
+    rise and the place of the first member.
+    """
+    from scipy.spatial.transform import Rotation
+
+    turns = Rotation.from_rotvec(np.radians(angle) * index[:, None] * axis).as_matrix()
+    turns = turns * (growth ** index.astype(np.float64))[:, None, None]
+    still = np.eye(3) - turns
+    rises = index[:, None] * axis
+    known = np.concatenate([turns, still, rises[:, :, None]], axis=2).reshape(-1, 7)
+    solved = np.linalg.lstsq(known, centers.ravel(), rcond=1e-9)[0]
+    center, rise = solved[3:6], float(solved[6])
+    if growth == 1.0:
+        center = center - axis * float(center @ axis)
+    rounded = [shortest(float(v), error / 16) for v in center]
+    rise = shortest(rise, error / (8 * int(index[-1]) + 1))
+    rise = 0.0 if abs(rise) * int(index[-1]) < error / 4 else rise
+    return Turn(np.array(rounded), axis, angle, rise, growth)

@@ -1,0 +1,186 @@
+"""The search for the shortest scheme of a model: motifs, then patterns of them, until nothing pays.
+
+Parts come in, the shortest scheme found comes out, exact to the error asked for and never longer
+than placing every part by itself. Greedy in rounds, in a fixed order and under a bound of work
+counted in lookups, so that the same parts give the same scheme everywhere. Nothing is printed here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipmlang.inverse.frames import Floats, Integers
+from ipmlang.inverse.parts.observation import Parts
+from ipmlang.inverse.split.assembly import assembled, flat, largest_error
+from ipmlang.inverse.split.cost import HEAD, scheme_tokens
+from ipmlang.inverse.split.drafts import Draft, Limits, Motif, first_draft, with_motif
+from ipmlang.inverse.split.fields import Field, field_of
+from ipmlang.inverse.split.growth import Grown, grow
+from ipmlang.inverse.split.laying import laid, symmetry_of
+from ipmlang.inverse.split.patterns import Memory, arranged
+from ipmlang.inverse.split.pruning import pruned, tokens_of
+from ipmlang.inverse.split.scheme import Scheme
+from ipmlang.inverse.split.seeds import Edges, edges_of, labels_by_promise, seeds
+from ipmlang.inverse.split.snapping import Flags, label_rows, members
+from ipmlang.inverse.split.wholes import wholes
+
+EXACT = 2e-7  # share of the diagonal that a placement may be off
+PROVEN = 1e-6  # the same for everything together
+NOTHING = 1e-9  # share of the diagonal that is printed as nothing
+LEAST = 2.0  # tokens that a rule has to save
+TRIED = 10  # candidates of a round that are priced exactly
+ROUNDS = 60
+WORK = 30_000_000  # lookups
+
+
+def shortest(parts: Parts, error: float | None = None, work: int = WORK) -> Scheme:
+    """The shortest scheme found for parts.
+
+    error: units that a part may be off, None for what counts as exact; work: lookups after which
+    the best so far is given.
+    """
+    bound = PROVEN * parts.diagonal if error is None else error
+    own = EXACT * parts.diagonal if error is None else error / 4
+    plain = flat(parts)
+    for share in (1.0, 0.25, 0.05):
+        limits = Limits(own * share, NOTHING * parts.diagonal)
+        found = _searched(parts, limits, work)
+        if largest_error(parts, found) <= bound:
+            small = limits.small
+            return min((found, plain), key=lambda scheme: scheme_tokens(scheme, small))
+    return plain
+
+
+def _searched(parts: Parts, limits: Limits, work: int) -> Scheme:
+    origin = parts.low.min(axis=0) if len(parts.low) else np.zeros(3)
+    draft = first_draft(parts, origin, limits)
+    memory = Memory()
+    spent = 0
+    for _ in range(ROUNDS):
+        better, used = _improved(draft, limits, memory, work - spent)
+        spent += used
+        if better is None:
+            break
+        draft = better
+    return assembled(parts, pruned(draft, limits, memory), origin, limits, memory)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Offer:
+    """A motif that may pay; gain: the tokens it may save."""
+
+    gain: float
+    motif: Motif
+
+
+def _improved(draft: Draft, limits: Limits, memory: Memory, work: int) -> tuple[Draft | None, int]:
+    """The draft with the motifs of one round, None where nothing pays; and the work it took."""
+    if work <= 0 or len(draft) < 4:
+        return None, 0
+    field = field_of(draft)
+    share = shares(draft, limits, memory)
+    grown, used = _grown(field, share, limits, work)
+    better = _taken(draft, _offers(field, grown, share, limits), limits, memory)
+    if better is None:
+        grown = [each for each in wholes(field, limits.error) if len(each.rows)]
+        better = _taken(draft, _offers(field, grown, share, limits), limits, memory)
+    return better, used + len(draft)
+
+
+def _grown(field: Field, share: Floats, limits: Limits, work: int) -> tuple[list[Grown], int]:
+    """Motifs from the seeds of this field, those that others contain just as often left out."""
+    edges = edges_of(field, limits.error)
+    covered = np.zeros(len(edges.pairs), np.bool_)
+    found, used = [], 0
+    for chosen in labels_by_promise(edges):
+        if covered[chosen].all():
+            continue
+        for seed in seeds(field, edges, chosen, limits.error):
+            chain, took = grow(field, seed, limits.error)
+            used += took + len(seed.of)
+            found += chain
+            for each in chain[:1] + chain[-1:]:
+                _cover(edges, each, covered)
+        if used > work:
+            break
+    return found, used
+
+
+def _cover(edges: Edges, grown: Grown, covered: Flags) -> None:
+    """Mark the edges inside a motif whose kinds occur no more often than it does."""
+    top = int(edges.pairs.max()) + 1
+    home = np.full(top, -1, np.int64)
+    rows = grown.rows[(grown.rows < top).all(axis=1)]
+    for index, own in enumerate(rows):
+        home[own] = index
+    inside = home[edges.pairs]
+    covered |= (inside[:, 0] >= 0) & (inside[:, 0] == inside[:, 1])
+
+
+def shares(draft: Draft, limits: Limits, memory: Memory) -> Floats:
+    """(n,) tokens that each row takes on average, where its symbol's patterns are used."""
+    share = np.zeros(len(draft))
+    for rows in _lists(draft):
+        symbol = int(draft.symbol[rows[0]])
+        shape = draft.figures[symbol]
+        tokens = arranged(shape, draft.frames[rows], symbol, limits, memory).tokens
+        share[rows] = tokens / len(rows)
+    return share
+
+
+def _lists(draft: Draft) -> list[Integers]:
+    label, count = label_rows(np.stack([draft.body, draft.symbol], axis=1))
+    return members(label, len(count))
+
+
+def _offers(field: Field, grown: list[Grown], share: Floats, limits: Limits) -> list[Offer]:
+    """The motifs that promise most, placed exactly."""
+    promising: dict[bytes, tuple[float, Grown]] = {}
+    for each in grown:
+        gain = _promise(share[each.rows])
+        if gain > 0:
+            promising.setdefault(np.sort(each.rows.ravel()).tobytes(), (gain, each))
+    ranked = sorted(promising.values(), key=lambda pair: (-pair[0], -pair[1].rows.size))
+    found = []
+    for gain, each in ranked[: 2 * TRIED]:
+        motif = laid(field, each, limits)
+        if motif is not None:
+            found.append(Offer(gain, motif))
+    return found
+
+
+def _promise(share: Floats) -> float:
+    """Tokens that a motif saves if its uses stand as regularly as what it is made of."""
+    return float(share.sum() - share.sum(axis=1).min() - share.sum(axis=0).min()) - HEAD
+
+
+def _taken(draft: Draft, offers: list[Offer], limits: Limits, memory: Memory) -> Draft | None:
+    """The draft with the best of the offers, and all others that still pay then."""
+    now = tokens_of(draft, limits, memory)
+    priced = []
+    for offer in offers[:TRIED]:
+        other = with_motif(draft, offer.motif, symmetry_of(draft, offer.motif, limits))
+        gain = now - tokens_of(other, limits, memory)
+        if gain >= LEAST:
+            priced.append(Offer(gain, offer.motif))
+    priced.sort(key=lambda offer: -offer.gain)
+    where = np.arange(len(draft))
+    result: Draft | None = None
+    for offer in priced:
+        rows = where[offer.motif.rows]
+        if (rows < 0).any():
+            continue
+        base = draft if result is None else result
+        motif = Motif(rows, offer.motif.places, offer.motif.inside)
+        other = with_motif(base, motif, symmetry_of(base, motif, limits))
+        tokens = tokens_of(other, limits, memory)
+        if now - tokens < max(LEAST, 0.5 * offer.gain):
+            continue
+        now, result = tokens, other
+        kept = np.ones(len(base), np.bool_)
+        kept[rows.ravel()] = False
+        number = np.where(kept, np.cumsum(kept) - 1, -1)
+        where = np.where(where >= 0, number[where], -1)
+    return result

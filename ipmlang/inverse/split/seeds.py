@@ -1,0 +1,131 @@
+"""Seeds of motifs: pairs of neighbours that stand to each other as other pairs do.
+
+Takes a field; gives for each kind of pair the occurrences and the motions from the first of them
+to each, as votes of neighbours only: never all pairs. What grows from a seed is for `growth`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipmlang.inverse.frames import Floats, Integers, compose, inverse, matrices
+from ipmlang.inverse.split.fields import Field, agree
+from ipmlang.inverse.split.snapping import label_rows, members, snap
+
+KINDS = 3  # relations that pairs at one distance are told apart into
+MOST = 400  # occurrences of a pair that are followed
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Seed:
+    """pairs: (k, 2) rows, the first the one that the others are compared with; of (a,), motion
+    (a, 3, 4): ways to lay the first pair over pair `of`, several where symmetry allows, the one
+    that needs no mirror first.
+    """
+
+    pairs: Integers
+    of: Integers
+    motion: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Edges:
+    """pairs: (e, 2) neighbours, each once; label (e,): of equal symbols at equal distances;
+    count (e,): how many have that label; rich (n,): how much of a row's surroundings is elsewhere
+    too.
+    """
+
+    pairs: Integers
+    label: Integers
+    count: Integers
+    rich: Floats
+
+
+def edges_of(field: Field, error: float) -> Edges:
+    """All pairs of neighbours with labels that do not hang on how anything is turned."""
+    first = np.repeat(np.arange(len(field.draft)), np.diff(field.begin))
+    pairs = np.stack([first, field.near], axis=1)
+    symbol = field.draft.symbol[pairs]
+    once = (symbol[:, 0] < symbol[:, 1]) | ((symbol[:, 0] == symbol[:, 1]) & (first < field.near))
+    pairs, symbol = pairs[once], symbol[once]
+    away = field.points[pairs[:, 0], 0] - field.points[pairs[:, 1], 0]
+    distance = snap(np.linalg.norm(away, axis=1), 2 * error)
+    label, counts = label_rows(np.concatenate([symbol, distance[:, None]], axis=1))
+    count = counts[label]
+    rich = np.zeros(len(field.draft))
+    for side in (0, 1):
+        np.add.at(rich, pairs[:, side], np.log(count))
+    return Edges(pairs, label, count, rich)
+
+
+def seeds(field: Field, edges: Edges, chosen: Integers, error: float) -> Iterator[Seed]:
+    """The seeds among edges (k,) of one label."""
+    pairs = edges.pairs[chosen]
+    symbol = field.draft.symbol[pairs[0]]
+    if symbol[0] == symbol[1]:
+        pairs = np.concatenate([pairs, pairs[:, ::-1]])
+    figures = field.draft.figures
+    if len(figures[symbol[1]].symmetry) < len(figures[symbol[0]].symmetry):
+        pairs = pairs[:, ::-1]
+    order = np.lexsort((pairs[:, 0], -np.round(edges.rich[pairs].sum(axis=1), 6)))
+    left = pairs[order][:MOST]
+    for _ in range(KINDS):
+        if len(left) < 2:
+            return
+        seed = _related(field, left, error)
+        same = np.unique(seed.of)
+        taken = _disjoint(left[same])
+        if len(taken) > 1:
+            yield _kept(seed, left, same[taken])
+        left = np.delete(left, same, axis=0)
+
+
+def _related(field: Field, pairs: Integers, error: float) -> Seed:
+    """The pairs that stand as the first one does, with all motions that show it."""
+    draft = field.draft
+    anchor = draft.figures[draft.symbol[pairs[0, 0]]]
+    many = len(anchor.symmetry)
+    of = np.repeat(np.arange(len(pairs)), many)
+    turned = anchor.symmetry[np.tile(np.arange(many), len(pairs))]
+    motions = compose(
+        compose(draft.frames[pairs[of, 0]], turned), inverse(draft.frames[pairs[:1, 0]])
+    )
+    motion = matrices(motions)
+    wanted = np.einsum("nij,kj->nki", motion[:, :, :3], field.points[pairs[0, 1]])
+    wanted += motion[:, None, :, 3]
+    near = np.linalg.norm(wanted[:, 0] - field.points[pairs[of, 1], 0], axis=1) <= error
+    own = np.nonzero(near)[0]
+    own = own[agree(field, pairs[of[own], 1], wanted[own], error)]
+    own = own[np.lexsort((motions.hand[own] < 0, of[own]))]
+    return Seed(pairs, of[own], motion[own])
+
+
+def _disjoint(pairs: Integers) -> Integers:
+    """Rows of pairs that share nothing with one taken before."""
+    used: set[int] = set()
+    taken = []
+    for index, (one, two) in enumerate(pairs.tolist()):
+        if one not in used and two not in used:
+            used.update((one, two))
+            taken.append(index)
+    return np.array(taken, np.int64)
+
+
+def _kept(seed: Seed, pairs: Integers, rows: Integers) -> Seed:
+    """The seed with only these occurrences, renumbered."""
+    number = np.full(len(pairs), -1, np.int64)
+    number[rows] = np.arange(len(rows))
+    own = number[seed.of] >= 0
+    return Seed(pairs[rows], number[seed.of[own]], seed.motion[own])
+
+
+def labels_by_promise(edges: Edges) -> list[Integers]:
+    """Edges of each label that occurs again, those of the most frequent labels first."""
+    if len(edges.pairs) == 0:
+        return []
+    groups = members(edges.label, int(edges.label.max()) + 1)
+    again = [group for group in groups if len(group) > 1]
+    return sorted(again, key=lambda group: (-len(group), int(group[0])))

@@ -1,0 +1,52 @@
+"""Equal up to noise: numbers and rows of numbers to integer labels, and the same run after run.
+
+Values that stand closer together than a gap get one label. Nothing here knows what they measure.
+"""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.inverse.frames import Floats, Integers
+
+Flags: TypeAlias = NDArray[np.bool_]
+
+
+def snap(values: Floats, gap: float) -> Integers:
+    """(n,) labels in the order of the values; neighbours nearer than `gap` share one.
+
+    >>> snap(np.array([3.0, 1.0, 1.0000001, 2.0]), 1e-3).tolist()
+    [2, 0, 0, 1]
+    """
+    order = np.argsort(values, kind="stable")
+    labels = np.zeros(len(values), np.int64)
+    if len(values):
+        labels[order[1:]] = np.cumsum(np.diff(values[order]) > gap)
+    return labels
+
+
+def snap_columns(values: Floats, gap: float) -> Integers:
+    """(n, c) labels, each column by itself; the gap is the same for all."""
+    columns = [snap(values[:, column], gap) for column in range(values.shape[1])]
+    return np.stack(columns, axis=1) if columns else np.zeros(values.shape, np.int64)
+
+
+def label_rows(rows: NDArray[np.int64]) -> tuple[Integers, Integers]:
+    """(n,) which rows of integers are equal, numbered in lexical order, and (k,) how many of each.
+
+    >>> [each.tolist() for each in label_rows(np.array([[1, 2], [0, 5], [1, 2]]))]
+    [[1, 0, 1], [1, 2]]
+    """
+    if len(rows) == 0:
+        return np.zeros(0, np.int64), np.zeros(0, np.int64)
+    _, label, count = np.unique(rows, axis=0, return_inverse=True, return_counts=True)
+    return np.asarray(label, np.int64).reshape(-1), np.asarray(count, np.int64)
+
+
+def members(label: Integers, count: int) -> list[Integers]:
+    """For each of `count` labels the rows that have it, in order."""
+    order = np.argsort(label, kind="stable")
+    return np.split(order, np.searchsorted(label[order], np.arange(1, count)))
