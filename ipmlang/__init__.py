@@ -24,7 +24,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError
 
@@ -72,22 +72,22 @@ class Grammar:
         return format_grammar(self.checked.grammar)
 
 
-def load(path: str | Path, *, allow_outside: bool = False) -> Grammar:
-    """Read, check and lower the grammar in a file.
+def load(path: str | Path, *, allow_outside: bool = False, style: str | None = None) -> Grammar:
+    """Read, check and lower the grammar in a file, in one of its styles if one is named.
 
     `allow_outside` lets assets and imports lie outside the grammar's own folder.
     Raises IpmError with every error of the file.
     """
     from ipmlang.compiler import compile_file
 
-    return Grammar(*compile_file(Path(path), allow_outside=allow_outside))
+    return Grammar(*compile_file(Path(path), allow_outside=allow_outside, style=style))
 
 
-def parse(text: str, *, folder: str | Path = ".") -> Grammar:
+def parse(text: str, *, folder: str | Path = ".", style: str | None = None) -> Grammar:
     """The same for a text; `folder` is where its assets and imports are looked for."""
     from ipmlang.compiler import compile_text
 
-    return Grammar(*compile_text(text, folder=Path(folder)))
+    return Grammar(*compile_text(text, folder=Path(folder), style=style))
 
 
 def infer(
@@ -101,14 +101,16 @@ def infer(
     symmetrize: bool = False,
     paper: bool = False,
     explain: bool = False,
+    up: Literal["auto", "y", "z"] = "auto",
 ) -> Inference:
-    """Read a drawing and find the grammar a person would have written for it.
+    """Read a drawing or a model and find the grammar a person would have written for it.
 
     `flat` keeps one placement per element. `weights` (`ipmlang.inverse.Weights`) say what to prefer
     where groups compete; shapes at least so similar (0.6 to 1) are one; `within` is the share of
     the diagonal that the grammar may be off; `symmetrize` gives the regular grammar of a drawing
-    with noise; `paper` also prints rules that do not pay; `explain` keeps what won in each round.
-    The result has the grammar, a report, the explanation and `save(path)`.
+    with noise; `paper` also prints rules that do not pay; `explain` keeps what won in each round;
+    `up` is the up axis in the file of a model. The result has the grammar, a report, the
+    explanation and `save(path)`.
     """
     from ipmlang.inverse import infer as infer_file
 
@@ -122,6 +124,7 @@ def infer(
         symmetrize=symmetrize,
         paper=paper,
         explain=explain,
+        up=up,
     )
 
 

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 USER_FILE_WRONG, COMMAND_WRONG = 1, 2
 COMMAND_CODES = frozenset(
     {"unknown-attribute", "wrong-attribute-type", "attribute-out-of-range", "no-such-backend",
-     "unknown-format", "unknown-method", "bad-command", "nothing-selected"}
+     "unknown-format", "unknown-method", "unknown-style", "bad-command", "nothing-selected"}
 )  # fmt: skip
 
 
@@ -107,6 +107,7 @@ commands.add_command(render_file)
     "grammar brings along are replayed",
 )
 @options.SET
+@options.STYLE
 @click.option(
     "--on",
     metavar="FILE",
@@ -128,6 +129,7 @@ def run(
     output: Path,
     seed: int | None,
     settings: tuple[str, ...],
+    style: str | None,
     on: str | None,
     backend: str,
     limits: tuple[str, ...],
@@ -146,7 +148,7 @@ def run(
     from ipmlang.runtime.export import check_output, save
 
     check_output(output)
-    grammar = load(file, allow_outside=allow_outside)
+    grammar = load(file, allow_outside=allow_outside, style=style)
     stood_on = [] if on is None else [Path(on), Path(on.rpartition("#")[0])]
     keep_apart([output], [*grammar.checked.loaded.paths, *stood_on])
     show(grammar.warnings)

@@ -24,4 +24,5 @@ LIMIT = click.option(
 ALLOW_OUTSIDE = click.option(
     "--allow-outside", is_flag=True, help="let assets lie outside the grammar's folder"
 )
+STYLE = click.option("--style", metavar="NAME", help="derive the grammar in one of its styles")
 JSON = click.option("--json", "as_json", is_flag=True, help="print one JSON object")

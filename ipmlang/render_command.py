@@ -19,6 +19,7 @@ from ipmlang.compiler.diagnostics import fail
 from ipmlang.telling import show, working
 
 if TYPE_CHECKING:
+    from ipmlang import Grammar
     from ipmlang.formats.mesh_types import MeshScene
     from ipmlang.runtime.scene import Scene
 
@@ -63,6 +64,7 @@ if TYPE_CHECKING:
 )
 @click.option("--seed", type=click.IntRange(0, 2**64 - 1), help="the seed of a grammar")
 @options.SET
+@options.STYLE
 @options.LIMIT
 @options.ALLOW_OUTSIDE
 @options.JSON
@@ -78,6 +80,7 @@ def render_file(
     up: str,
     seed: int | None,
     settings: tuple[str, ...],
+    style: str | None,
     limits: tuple[str, ...],
     allow_outside: bool,
     as_json: bool,
@@ -89,6 +92,7 @@ def render_file(
       ipmlang render tree.ipm -o tree.png --seed 3 --view 30,15
       ipmlang render castle.glb -o castle.webp --turntable 36
     """  # fmt: skip
+    from ipmlang import load
     from ipmlang.arguments import keep_apart
     from ipmlang.formats.mesh_types import MeshScene
     from ipmlang.studio import Look, as_seen, check_picture, draw
@@ -99,10 +103,12 @@ def render_file(
     look = Look(pixels, parse_view(view), ground, parse_background(background), lines)
     with working(f"reading {file.name}") as say:
         if file.suffix.lower() == ".ipm":
-            derived = _derived(file, output, seed, settings, limits, allow_outside)
+            grammar = load(file, allow_outside=allow_outside, style=style)
+            derived = _derived(grammar, output, seed, settings, limits)
             seen = as_seen(derived)
-        elif seed is not None or settings or limits:
-            raise fail("bad-command", "--seed, --set and --limit are for grammars, not for models")
+        elif seed is not None or settings or limits or style:
+            message = "--seed, --set, --style and --limit are for grammars, not for models"
+            raise fail("bad-command", message)
         else:
             keep_apart([output], [file])
             seen = _model(file, up)
@@ -127,18 +133,15 @@ def render_file(
 
 
 def _derived(
-    file: Path,
+    grammar: Grammar,
     output: Path,
     seed: int | None,
     settings: tuple[str, ...],
     limits: tuple[str, ...],
-    allow_outside: bool,
 ) -> Scene:
     """What a grammar derives."""
-    from ipmlang import load
     from ipmlang.arguments import keep_apart, parse_limits, parse_settings
 
-    grammar = load(file, allow_outside=allow_outside)
     keep_apart([output], grammar.checked.loaded.paths)
     show(grammar.warnings)
     scene = grammar.run(

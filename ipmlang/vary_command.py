@@ -50,6 +50,7 @@ CAPTION = 6  # lines under a variation
     metavar="NAME=LOW..HIGH",
     help="one seed, and this attribute from low to high; twice: columns and rows",
 )
+@options.STYLE
 @click.option("--attributes", is_flag=True, help="draw all attributes within their ranges too")
 @click.option("--columns", type=click.IntRange(1), help="variations beside each other")
 @click.option("--width", default=1600, show_default=True, help="pixels of a .png from side to side")
@@ -69,6 +70,7 @@ def vary_file(
     seed: int,
     settings: tuple[str, ...],
     sweeps: tuple[str, ...],
+    style: str | None,
     attributes: bool,
     columns: int | None,
     width: int,
@@ -88,7 +90,7 @@ def vary_file(
     from ipmlang.edit import variations
 
     check_sheet(output)
-    checked, program, warnings = compile_file(file, allow_outside=allow_outside)
+    checked, program, warnings = compile_file(file, allow_outside=allow_outside, style=style)
     keep_apart([output], checked.loaded.paths)
     swept = [_sweep(word) for word in sweeps]
     wanted = variations.wishes(

@@ -22,29 +22,32 @@ __all__ = ["check", "compile_file", "compile_loaded", "compile_text", "load", "l
 
 
 def compile_file(
-    path: Path, *, allow_outside: bool = False
+    path: Path, *, allow_outside: bool = False, style: str | None = None
 ) -> tuple[Checked, Program, tuple[Diagnostic, ...]]:
-    """A grammar file as a checked grammar, a program and the warnings on the way.
+    """A grammar file as a checked grammar, a program and the warnings on the way; `style` is one
+    of those that the file has.
 
     Raises IpmError with every error of the file.
     """
-    return compile_loaded(load(path, allow_outside))
+    return compile_loaded(load(path, allow_outside), style)
 
 
 def compile_text(
-    text: str, *, folder: Path = Path()
+    text: str, *, folder: Path = Path(), style: str | None = None
 ) -> tuple[Checked, Program, tuple[Diagnostic, ...]]:
     """The same for a text whose assets and imports lie in `folder`."""
-    return compile_loaded(load_text(text, folder))
+    return compile_loaded(load_text(text, folder), style)
 
 
-def compile_loaded(loaded: Loaded) -> tuple[Checked, Program, tuple[Diagnostic, ...]]:
+def compile_loaded(
+    loaded: Loaded, style: str | None = None
+) -> tuple[Checked, Program, tuple[Diagnostic, ...]]:
     """The same for loaded files."""
     checked = check(loaded)
     errors = [each for each in checked.diagnostics if each.severity == "error"]
     if errors:
         raise IpmError(errors)
-    program = lower(checked)
+    program = lower(checked, style)
     faults = verify(program)
     if faults:
         hint = "this is a fault of ipmlang, not of the grammar: please report it"

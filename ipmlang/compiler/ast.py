@@ -383,10 +383,27 @@ class Version:
 
 @dataclass(frozen=True, slots=True)
 class Import:
-    """`import "std/roofs" as roofs`; without `as` the last word of the path is the name."""
+    """`import "std/roofs" as roofs style Old`; without `as` the last word of the path is the name,
+    without `style` the file is taken as it is.
+    """
 
     path: str
     alias: str | None = None
+    style: str | None = None
+    comments: tuple[Comment, ...] = field(default=(), compare=False)
+    blank_before: bool = field(default=False, compare=False)
+    span: Span = field(default=NOWHERE, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Style:
+    """`style Night extends Dusk "lamps are lit"`: the file with what is defined under names such as
+    `Night.Window` in the place of what is called so here, or in the style that it extends.
+    """
+
+    name: str
+    parent: str | None = None
+    doc: str | None = None
     comments: tuple[Comment, ...] = field(default=(), compare=False)
     blank_before: bool = field(default=False, compare=False)
     span: Span = field(default=NOWHERE, compare=False)
@@ -626,6 +643,7 @@ class Start:
 Item: TypeAlias = (
     Version
     | Import
+    | Style
     | Asset
     | Table
     | Surface

@@ -28,6 +28,22 @@ def build_import_as(members: Members, start: int, end: int) -> ast.Import:
     return ast.Import(unquote(members[1], start), members[3], span=Span(start, end))
 
 
+def build_import_style(members: Members, start: int, end: int) -> ast.Import:
+    return ast.Import(unquote(members[1], start), None, members[3], span=Span(start, end))
+
+
+def build_import_as_style(members: Members, start: int, end: int) -> ast.Import:
+    return ast.Import(unquote(members[1], start), members[3], members[5], span=Span(start, end))
+
+
+def build_style(members: Members, start: int, end: int) -> ast.Style:
+    return ast.Style(members[1], None, members[2] or None, span=Span(start, end))
+
+
+def build_style_extends(members: Members, start: int, end: int) -> ast.Style:
+    return ast.Style(members[1], members[3], members[4] or None, span=Span(start, end))
+
+
 def build_asset_reference(members: Members, start: int, end: int) -> ast.Asset:
     if len(members[1]) > 1:
         raise UnbuildableError(

@@ -20,13 +20,21 @@ from ipmlang.compiler.checked import (
     SymbolUse,
     ValueEntry,
 )
-from ipmlang.compiler.checking.endless import Edges, check_endless, check_values, edges_of, endless
+from ipmlang.compiler.checking.endless import (
+    Edges,
+    check_endless,
+    check_values,
+    edges_of,
+    endless,
+    endless_in_styles,
+)
 from ipmlang.compiler.checking.environment import Environment, declare
 from ipmlang.compiler.checking.findings import Findings, Key
 from ipmlang.compiler.checking.groups import Group, check_groups
 from ipmlang.compiler.checking.items import check_item, entry_of
 from ipmlang.compiler.checking.nearby import glued, near_misses
 from ipmlang.compiler.checking.queries import check_asked, given_by
+from ipmlang.compiler.checking.redefinitions import check_styles
 from ipmlang.compiler.diagnostics import Diagnostic, Label
 from ipmlang.compiler.load import Loaded
 from ipmlang.compiler.ops import OPERATIONS
@@ -68,6 +76,7 @@ def _check(loaded: Loaded, cache: Cache) -> Checked:
         found += check_groups(group, main=number == 0)
         found += check_values(group)
         found += check_asked(group, given)
+        found += check_styles(group, groups)
         found += _near_misses(group)
         if number == 0:
             found += _endless(group, cache)
@@ -121,7 +130,7 @@ def _names_around(environment: Environment) -> list[_Names]:
         (
             dict(each.values),
             each.symbols,
-            frozenset(each.imports),
+            frozenset(each.imports) | each.styles,
             each.steps,
             [id(item) for _, item in each.others],
         )
@@ -233,6 +242,7 @@ def _endless(group: Group, cache: Cache) -> Iterator[Diagnostic]:
             if not interpret
         }
         yield from check_endless(group, cache.graph[1], first)
+    yield from endless_in_styles(group, cache.graph[1])
 
 
 def _symbols(group: Group) -> Iterator[SymbolUse]:

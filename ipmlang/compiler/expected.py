@@ -11,7 +11,7 @@ BRACKETS = {
 }  # fmt: skip
 ITEM_WORDS = frozenset(
     (
-        *("ipm", "import", "asset", "table", "surface", "context", "attr", "const", "fn"),
+        *("ipm", "import", "style", "asset", "table", "surface", "context", "attr", "const", "fn"),
         *("turtle", "limit", "tropism", "ignore", "canvas", "axes", "residual", "site", "start"),
         "interpret",
     )

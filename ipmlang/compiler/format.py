@@ -292,8 +292,12 @@ def _declaration(item: ast.Item) -> list[str]:
     match item:
         case ast.Version(number=number):
             return [f"ipm {number}"]
-        case ast.Import(path=path, alias=alias):
-            return ["import", quote(path), *(["as", alias] if alias is not None else [])]
+        case ast.Import(path=path, alias=alias, style=style):
+            called = [] if alias is None else ["as", alias]
+            return ["import", quote(path), *called, *([] if style is None else ["style", style])]
+        case ast.Style(name=name, parent=parent, doc=doc):
+            extended = [] if parent is None else ["extends", parent]
+            return ["style", name, *extended, *([] if doc is None else [quote(doc)])]
         case ast.Asset(names=names, reference=reference, by_name=by_name):
             listed = comma_separated([[name] for name in names])
             return ["asset", *listed, "in" if by_name else "=", quote(reference)]

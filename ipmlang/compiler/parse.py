@@ -5,11 +5,11 @@ broken item spoils no other. What an item was parsed to depends on its text alon
 only the items that changed are read again. Nothing is looked up here: names are the checker's.
 
 These words are keywords only where the grammar can take them; elsewhere they are names: first in an
-item, `ipm import asset table surface context attr const fn turtle limit tropism ignore canvas axes
-residual site start interpret`; in expressions, `if then else and or not true false`; in a
+item, `ipm import style asset table surface context attr const fn turtle limit tropism ignore canvas
+axes residual site start interpret`; in expressions, `if then else and or not true false`; in a
 successor, `repeat split set with`; after the colon of a head, `else weight`; after the axiom of
-`start`, `on steps seeds direction with avoiding retries choices`; and `as in atlas radius except
-box polygon` after what they belong to.
+`start`, `on steps seeds direction with avoiding retries choices`; and `as style extends in atlas
+radius except box polygon` after what they belong to.
 """
 
 from __future__ import annotations

@@ -36,6 +36,20 @@ ITEMS = {
     'import "std/plants" as p': "Another file: of the standard library, or beside this one. Its "
     "names "
     "are `p.Leaf`; without `as` the last word of the path goes in front.",
+    'import "std/plants" style Old': "The file in one of its styles.",
+    'style Night extends Dusk "lamps"': "A style: this file with some of its rules and values "
+    "replaced. What it does not replace is as in the style that it extends, or as in the file. "
+    "`run --style Night` derives the whole grammar so; `Night.House` in a body derives `House` so, "
+    "with all that comes of it.",
+    "Night.Window(w) --> body": "Under a dotted name, an item replaces what a style or an import "
+    "has under that name: all rules of a symbol with as many parameters (`interpret` rules apart), "
+    "or a symbol that has none and would draw itself; `attr Night.lit = 0.9`, `const`, `fn`, "
+    "`asset` and `table` do the same, and of an `attr` what is left out (type, range, meaning) "
+    "stays. `plants.Leaf --> body` gives the library another leaf wherever it makes one, for this "
+    "import alone: the same file imported under another name stays as it is, and is where to "
+    "find the old rule. `Night.plants.Leaf` does so in a style, `streets.plants.Leaf` for the "
+    "import of an import. In a rule of a style, names are those of the style; in a rule for an "
+    "import, those of the file that it is written in.",
     'asset win = "house.glb#window_2"': "Terminal geometry from an svg, glb, obj, ply or stl "
     "file, by "
     "node or id.",
@@ -89,8 +103,8 @@ ELEMENTS = {
     "repeat(i < n) { [Picket(i)] f(13) }": "Copies, numbered from 0; `except (3, 7)` leaves some "
     "out, `steps (1, 2)` moves on between them, `with r in T` or `repeat(r in T)` reads a table.",
     "with w = rand(1, 2)": "From here to the end of the body, the group, the braces or the copy "
-    "that it stands in, `w` is this value. It is computed once, where it stands: a random number is "
-    "drawn once however often `w` is read, `scope.sx` is the extent here. In a function, a "
+    "that it stands in, `w` is this value. It is computed once, where it stands: a random number "
+    "is drawn once however often `w` is read, `scope.sx` is the extent here. In a function, a "
     "parameter of another function does the same.",
     "set width = 0.7 * width": "From here to the end of the body, the group, the braces or the "
     "copy that it stands in, the attribute `width` has this value: in expressions behind it, and "

@@ -128,7 +128,7 @@ def defined_names(item: ast.Item) -> tuple[str, ...]:
             return (name,)
         case ast.Function(name=name) | ast.Surface(name=name) | ast.Field(name=name):
             return (name,)
-        case ast.Site(name=name):
+        case ast.Site(name=name) | ast.Style(name=name):
             return (name,)
         case _:
             return ()

@@ -142,7 +142,8 @@ TABLES = st.integers(1, 3).flatmap(
 )
 DECLARATIONS = st.one_of(
     st.builds(ast.Version, st.integers(0, 99)),
-    st.builds(ast.Import, TEXTS, st.none() | PLAIN),
+    st.builds(ast.Import, TEXTS, st.none() | PLAIN, st.none() | PLAIN),
+    st.builds(ast.Style, PLAIN, st.none() | PLAIN, st.none() | TEXTS.filter(bool)),
     st.builds(ast.Asset, tuples(PLAIN, 1, 1), TEXTS),
     st.builds(ast.Asset, tuples(PLAIN, 1, 40), TEXTS, st.just(True)),
     st.builds(ast.Table, PLAIN, TEXTS),

@@ -157,8 +157,9 @@ def _undefined(scope: Scope, module: ast.Module, certain: bool) -> None:
         message = f"`{alias}` has no rule or asset called `{rest}`"
         known = list(environment.symbol_names())
     else:
-        message = f"no import is called `{alias}`"
-        known = [f"{each}.{rest}" for each in environment.imports]
+        message = f"no import or style is called `{alias}`"
+        known = [f"{each}.{rest}" for each in (*environment.imports, *environment.styles)]
+        known = [each for each in known if environment.symbol(each) is not None] or known
     span = ast.Span(module.span.start, module.span.start + len(name))
     scope.findings.trouble(
         span, "unknown-symbol", message, suggestions=environment.nearest("symbol", name, known)

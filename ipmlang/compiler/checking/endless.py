@@ -14,6 +14,7 @@ from ipmlang.compiler import ast
 from ipmlang.compiler.checking.findings import Key
 from ipmlang.compiler.checking.groups import Group
 from ipmlang.compiler.diagnostics import Diagnostic
+from ipmlang.compiler.styles import lineage, styles_of
 
 Edges: TypeAlias = Sequence[tuple[Key, tuple[tuple[Key, bool], ...]]]
 
@@ -92,7 +93,11 @@ def edges_of(group: Group) -> Edges:
 
 
 def check_endless(
-    group: Group, found: frozenset[Key], edges: Mapping[Key, int]
+    group: Group,
+    found: frozenset[Key],
+    edges: Mapping[Key, int],
+    where: str = "",
+    hint: str = "add a guard and an `else` rule, or a number of `steps`",
 ) -> Iterator[Diagnostic]:
     """A warning for each circle of symbols that cannot end, at its first rule in the text."""
     told: set[Key] = set()
@@ -107,11 +112,33 @@ def check_endless(
                 index,
                 item.head.span,
                 "never-ends",
-                f"a derivation of `{circle[0][0]}` never ends: {names}",
+                f"a derivation of `{circle[0][0]}` never ends{where}: {names}",
                 warning=True,
-                hint="add a guard and an `else` rule, or a number of `steps`",
+                hint=hint,
             )
         told |= set(circle)
+
+
+def endless_in_styles(group: Group, known: frozenset[Key]) -> Iterator[Diagnostic]:
+    """Circles that a style closes: a rule that makes what it stands for is one."""
+    styles = styles_of(group.file.grammar)
+    own: dict[str, dict[Key, Sequence[int]]] = {}
+    for (name, arity, interpret), places in group.environment.rules.items():
+        style, _, rest = name.rpartition(".")
+        if not interpret and (not style or style in styles):
+            own.setdefault(style, {})[rest, arity] = places
+    for style in styles:
+        rules = dict(own.get("", {}))
+        for each in lineage(styles, style):
+            rules |= own.get(each, {})
+        edges = [
+            (key, group.findings[index].edges) for key, all_ in rules.items() for index in all_
+        ]
+        first = {key: places[0] for key, places in rules.items()}
+        found = endless(edges) - known if style in own else frozenset()
+        where = f" in the style `{style}`"
+        hint = "there, a name is that of the style: give the rule that both need another name"
+        yield from check_endless(group, found, first, where, hint)
 
 
 def _circle(group: Group, key: Key, found: frozenset[Key], edges: Mapping[Key, int]) -> list[Key]:

@@ -17,13 +17,14 @@ from ipmlang.compiler.checked import SymbolEntry, ValueEntry, ValueKind
 from ipmlang.compiler.diagnostics import nearest
 from ipmlang.compiler.load import File, import_name
 from ipmlang.compiler.references import DRAWINGS, MESHES, PICTURES, Problem
+from ipmlang.compiler.styles import names_of, styles_of
 from ipmlang.compiler.types import ATTR_TYPES
 
 MOST_HINTS = 100
 _BROKEN_VALUE = ValueEntry("broken")
 _BROKEN_SYMBOL = SymbolEntry("broken")
 _DECLARED = re.compile(
-    r"(?:(?:attr|const|fn|asset|table|surface|context|site|interpret)[ \t]+)?([^\W\d][\w.]*)"
+    r"(?:(?:attr|const|fn|asset|table|surface|context|site|style|interpret)[ \t]+)?([^\W\d][\w.]*)"
 )
 RuleKey: TypeAlias = tuple[str, int, bool]
 TypeOf: TypeAlias = Callable[["Environment", ast.Item, int], ValueEntry]
@@ -31,10 +32,10 @@ TypeOf: TypeAlias = Callable[["Environment", ast.Item, int], ValueEntry]
 
 @dataclass(slots=True, eq=False)
 class Environment:
-    """The names of one file. `values` and `symbols` hold its own; `imports` leads to others.
-    `rules`: the items of each symbol's rules, `interpret` ones apart, in source order;
-    `others`: the items that are no rules; `broken`: names whose item or import could
-    not be read. `type_of` finds the type of a value's item.
+    """The names of one file. `values` and `symbols` hold its own; `imports` leads to others, and in
+    each of its `styles` all names are what they are without. `rules`: the items of each symbol's
+    rules, `interpret` ones apart, in source order; `others`: the items that are no rules; `broken`:
+    names whose item or import could not be read. `type_of` finds the type of a value's item.
     """
 
     file: File
@@ -42,6 +43,7 @@ class Environment:
     values: dict[str, ValueEntry] = field(default_factory=dict)
     symbols: dict[str, SymbolEntry] = field(default_factory=dict)
     imports: dict[str, Environment] = field(default_factory=dict)
+    styles: frozenset[str] = frozenset()
     steps: bool = False
     rules: dict[RuleKey, list[int]] = field(default_factory=dict)
     others: list[tuple[int, ast.Item]] = field(default_factory=list)
@@ -54,6 +56,8 @@ class Environment:
         found = self.values.get(name)
         if found is None:
             alias, dot, rest = name.partition(".")
+            if dot and alias in self.styles:
+                return self.value(rest)
             if name in self.broken or (dot and alias in self.broken):
                 return _BROKEN_VALUE
             other = self.imports.get(alias) if dot else None
@@ -71,6 +75,8 @@ class Environment:
         if found is not None:
             return found
         alias, dot, rest = name.partition(".")
+        if dot and alias in self.styles:
+            return self.symbol(rest)
         if name in self.broken or (dot and alias in self.broken):
             return _BROKEN_SYMBOL
         other = self.imports.get(alias) if dot else None
@@ -84,7 +90,7 @@ class Environment:
             case "symbol":
                 return self.symbol(name)
             case "import":
-                return name in self.imports
+                return name in self.imports or name in self.styles
             case _:
                 return self.file.references.node(name, DRAWINGS + MESHES + PICTURES)
 
@@ -99,14 +105,16 @@ class Environment:
         return found
 
     def names(self) -> Iterable[str]:
-        """All names of values, dotted ones of imports included."""
+        """All names of values, dotted ones of imports and styles included."""
         yield from self.values
+        yield from (f"{style}.{name}" for style in self.styles for name in self.values)
         for alias, other in self.imports.items():
             yield from (f"{alias}.{name}" for name in other.values)
 
     def symbol_names(self) -> Iterable[str]:
-        """All names of symbols, dotted ones of imports included."""
+        """All names of symbols, dotted ones of imports and styles included."""
         yield from self.symbols
+        yield from (f"{style}.{name}" for style in self.styles for name in self.symbols)
         for alias, other in self.imports.items():
             yield from (f"{alias}.{name}" for name in other.symbols)
 
@@ -131,8 +139,9 @@ class View:
         return found
 
     def is_import(self, name: str) -> bool:
-        """Whether an import is called this."""
-        self.answers["import", name] = found = name in self.environment.imports
+        """Whether an import or a style is called this."""
+        found = name in self.environment.imports or name in self.environment.styles
+        self.answers["import", name] = found
         return found
 
     def reference(self, reference: str) -> Problem | None:
@@ -145,6 +154,7 @@ class View:
 def declare(environment: Environment) -> None:
     """Enter the names that a file defines; the first definition of a name stands."""
     rules = environment.rules
+    environment.styles = frozenset(styles_of(environment.file.grammar))
     for index, item in enumerate(environment.file.grammar.items):
         if isinstance(item, ast.Rule):
             key = (item.head.name, len(item.head.parameters), item.interpret)
@@ -155,6 +165,8 @@ def declare(environment: Environment) -> None:
         _declare(environment, index, item)
     environment.broken = _broken(environment.file)
     for name, arity, interpret in rules:
+        if "." in name:  # what it redefines is declared where it leads
+            continue
         before = environment.symbols.get(name)
         environment.symbols[name] = _with_rule(before, arity, interpret)
 
@@ -181,6 +193,8 @@ def _item_start(text: str, place: int) -> int:
 
 
 def _declare(environment: Environment, index: int, item: ast.Item) -> None:
+    if any("." in name for name in names_of(item)):
+        return
     for name, entry in values_of(item, index):
         environment.values.setdefault(name, entry)
     match item:

@@ -6,28 +6,18 @@ executors run. What is reachable and not executable yet is reported operation by
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from ipmlang.compiler import collector, ir
 from ipmlang.compiler.checked import Checked
-from ipmlang.compiler.lower.names import Unit, unit
+from ipmlang.compiler.lower.instances import units_of
 from ipmlang.compiler.lower.program import Lowering
 
-__all__ = ["Unit", "lower", "lower_units", "unit"]
+__all__ = ["lower"]
 
 
-def lower_units(main: Unit, imported: Sequence[Unit] = ()) -> ir.Program:
-    """The program of a main file and all that it imports."""
+def lower(checked: Checked, style: str | None = None) -> ir.Program:
+    """The program of a checked grammar, in one of its styles if one is named. Raises IpmError for
+    what no executor runs yet, and for a style that it does not have.
+    """
     with collector.held():
-        return Lowering(main, (main, *imported)).program()
-
-
-def lower(checked: Checked) -> ir.Program:
-    """The program of a checked grammar. Raises IpmError for what no executor runs yet."""
-    files = checked.loaded.files
-    units = {id(file): unit(file.grammar, file.source, file.prefix) for file in files}
-    for file in files:
-        made = units[id(file)]
-        made.imports.update({name: units[id(other)] for name, other in file.imports.items()})
-    main, *imported = units.values()
-    return lower_units(main, imported)
+        units = units_of(checked.loaded, style)
+        return Lowering(units[0], tuple(units)).program()

@@ -288,7 +288,7 @@ class Code:
                 case ast.Const() as item:
                     return self._inlined(expr, place.unit, place.item, item.value, {})
                 case ast.Attr() as item:
-                    number = self.pool.attrs.get(place.unit.prefix + item.name)
+                    number = self.pool.attrs.get(place.unit.attribute(item.name))
                     if number is not None:
                         return self.changed.get(number) or self.load("attr", number)
                 case ast.Asset() as item:

@@ -91,7 +91,7 @@ class Body:
         if place is None or not isinstance(item, ast.Attr):
             message = f"no attribute is called `{element.name}`"
             raise code.error(element.span, "not-an-attribute", message)
-        return code.pool.attrs[place.unit.prefix + item.name]
+        return code.pool.attrs[place.unit.attribute(item.name)]
 
     def _number(self) -> int:
         """The number of a new repeat."""

@@ -1,7 +1,8 @@
 """Who is called what: every file of a program with its names, and where a name leads from there.
 
-In go parsed files, out come units that know their rules, assets, tables, attributes, constants and
-functions; a dotted name goes through an import. Nothing here reads a file or makes code.
+Units know their rules, assets, tables, attributes, constants and functions; a dotted name goes
+through an import or a style. A file that is changed by a style or by who imports it is a unit of
+its own (`lower/instances.py` makes them). Nothing here reads a file or makes code.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ Kind = TypeVar("Kind", bound=ast.Item)
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A unit and the number of one of its items."""
+    """A unit and the number of one of its items: what stands there is looked up in that unit."""
 
     unit: Unit
     item: int
@@ -27,17 +28,21 @@ class Place:
 
 @dataclass(slots=True, eq=False)
 class Unit:
-    """One parsed file. `prefix` is what the main file puts before its names (`roofs.`); `imports`
-    finds the units it imports by their names there.
+    """One file as it is seen from one place. `prefix` is what the main file puts before its names
+    (`roofs.`); `imports` and `styles` find other units by their names here, of `own_styles` those
+    that are asked for. `rules`: the alternatives of a symbol, in their order, `interpretations`
+    its `interpret` ones; `defined`: everything else that has a name.
     """
 
     grammar: ast.Grammar
     source: Source
     prefix: str = ""
+    own_styles: frozenset[str] = frozenset()
     imports: dict[str, Unit] = field(default_factory=dict)
-    rules: dict[str, list[int]] = field(default_factory=dict)
-    interpretations: dict[str, list[int]] = field(default_factory=dict)
-    defined: dict[str, int] = field(default_factory=dict)
+    styles: dict[str, Unit] = field(default_factory=dict)
+    rules: dict[str, list[Place]] = field(default_factory=dict)
+    interpretations: dict[str, list[Place]] = field(default_factory=dict)
+    defined: dict[str, Place] = field(default_factory=dict)
 
     @property
     def folder(self) -> Path:
@@ -71,16 +76,26 @@ class Unit:
         return IpmError([self.diagnostic(item, span, code, message, hint)])
 
     def find(self, name: str) -> Place | None:
-        """Where a name of this unit, or a dotted one of an import, is defined."""
-        if name in self.defined:
-            return Place(self, self.defined[name])
+        """Where a name of this unit, or a dotted one of another, is defined."""
         unit, rest = self.within(name)
-        return None if unit is self else unit.find(rest)
+        return unit.defined.get(rest)
 
     def within(self, name: str) -> tuple[Unit, str]:
         """The unit that a dotted name leads to, and the name there."""
-        alias, dot, rest = name.partition(".")
-        return (self.imports[alias], rest) if dot and alias in self.imports else (self, name)
+        unit = self
+        while True:
+            first, dot, rest = name.partition(".")
+            other = unit.imports.get(first) or unit.styles.get(first) if dot else None
+            if other is None:
+                return unit, name
+            unit, name = other, rest
+
+    def attribute(self, name: str) -> str:
+        """What an attribute that an item of this unit defines is called from outside: without the
+        style that the item belongs to, as the unit is that style.
+        """
+        first, dot, rest = name.partition(".")
+        return self.prefix + (rest if dot and first in self.own_styles else name)
 
     def items(self, kind: type[Kind]) -> Iterator[tuple[int, Kind]]:
         """All items of a kind with their numbers."""
@@ -91,20 +106,3 @@ class Unit:
     def _offset(self, item: int) -> int:
         offsets = self.grammar.offsets
         return offsets[item] if 0 <= item < len(offsets) else 0
-
-
-def unit(grammar: ast.Grammar, source: Source, prefix: str = "") -> Unit:
-    """A file with its own names found; its imports are for the caller to fill in."""
-    made = Unit(grammar, source, prefix)
-    for number, item in enumerate(grammar.items):
-        match item:
-            case ast.Rule():
-                named = made.interpretations if item.interpret else made.rules
-                named.setdefault(item.head.name, []).append(number)
-            case ast.Asset():
-                made.defined.update(dict.fromkeys(item.names, number))
-            case ast.Table() | ast.Attr() | ast.Const() | ast.Function():
-                made.defined[item.name] = number
-            case _:
-                pass
-    return made

@@ -13,16 +13,17 @@ from ipmlang.compiler import ast, ir
 from ipmlang.compiler.lower.carrying import Changes
 from ipmlang.compiler.lower.expr import Code, Counter, Environment, Load, Pool
 from ipmlang.compiler.lower.lsystem import Body, Namer
-from ipmlang.compiler.lower.names import Unit
+from ipmlang.compiler.lower.names import Place, Unit
 
 GUARD_SITE = 0x10000000  # the first site of guards; bodies start at 0, the choice is 0x40000000
 CHANCE_SITE = 0x20000000
 
 
 def production(
-    pool: Pool, namer: Namer, unit: Unit, item: int, symbol: int, rule: ast.Rule
+    pool: Pool, namer: Namer, place: Place, symbol: int, rule: ast.Rule
 ) -> tuple[ir.Production, Changes]:
     """The production of a rule, and which of its modules stand behind a `set`."""
+    unit, item = place.unit, place.item
     counter = Counter()
     modules: list[ast.ContextModule | ast.Head] = [
         *_modules(rule.head.left),

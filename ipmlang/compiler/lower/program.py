@@ -16,7 +16,7 @@ from ipmlang.compiler.lower import analysis, settings
 from ipmlang.compiler.lower.carrying import Changes, carried
 from ipmlang.compiler.lower.expr import Code, Pool
 from ipmlang.compiler.lower.meaning import Meanings, steps_of
-from ipmlang.compiler.lower.names import Unit
+from ipmlang.compiler.lower.names import Place, Unit
 from ipmlang.compiler.lower.productions import axiom, production
 from ipmlang.compiler.lower.tables import Tables
 from ipmlang.compiler.ops import OPERATIONS, Operation
@@ -202,7 +202,7 @@ class Lowering:
         symbol = self._symbols[number]
         spellings = _spellings(name, OPERATIONS.get(name))
         made = [
-            self._alternatives(number, symbol.arity, unit, named, spellings)
+            self._alternatives(number, symbol.arity, named, spellings)
             for named in (unit.rules, unit.interpretations)
         ]
         self._symbols[number] = replace(
@@ -213,17 +213,16 @@ class Lowering:
         self,
         number: int,
         arity: int,
-        unit: Unit,
-        named: dict[str, list[int]],
+        named: dict[str, list[Place]],
         spellings: tuple[str, ...],
     ) -> tuple[int, ...]:
-        items = sorted(item for each in spellings for item in named.get(each, ()))
+        places = [place for each in spellings for place in named.get(each, ())]
         numbers = []
-        for item in items:
-            rule = unit.grammar.items[item]
+        for place in sorted(places, key=lambda each: each.item):
+            rule = place.unit.grammar.items[place.item]
             assert isinstance(rule, ast.Rule)
             if len(rule.head.parameters) == arity:
-                made, behind = production(self._pool, self, unit, item, number, rule)
+                made, behind = production(self._pool, self, place, number, rule)
                 numbers.append(len(self._productions))
                 self._productions.append(made)
                 self._changes.append(behind)

@@ -15,7 +15,7 @@ from typing import Literal
 from ipmlang.compiler import ast, ir
 from ipmlang.compiler.lower.expr import Code, Known, Operand, Pool
 from ipmlang.compiler.lower.meaning import Settings
-from ipmlang.compiler.lower.names import Unit
+from ipmlang.compiler.lower.names import Place, Unit
 
 ATTR_SITE = 0x30000000
 LATE_SITE = 0x28000000
@@ -25,22 +25,35 @@ DEEPEST = 5_000  # generations of a program with scopes, if nothing else is said
 def attributes(pool: Pool, units: Sequence[Unit]) -> tuple[ir.Attribute, ...]:
     """The attributes of all files, in an order in which each default reads only earlier ones."""
     made: list[ir.Attribute] = []
-    places = [(unit, number, item) for unit in units for number, item in unit.items(ast.Attr)]
+    places = _places(units)
     while places:
         before = len(made)
         waiting = []
-        for unit, number, item in places:
-            if _reads_unknown(pool, unit, item.default):
-                waiting.append((unit, number, item))
+        for place, item, original in places:
+            if _reads_unknown(pool, place.unit, item.default):
+                waiting.append((place, item, original))
                 continue
-            made.append(_attribute(pool, unit, number, item))
+            made.append(_attribute(pool, place, item, original))
             pool.attrs[made[-1].name] = len(made) - 1
         if len(made) == before:
-            unit, number, item = waiting[0]
+            place, item, _ = waiting[0]
             message = f"the default of `{item.name}` depends on itself"
-            raise unit.error(number, item.span, "endless-definition", message)
+            raise place.unit.error(place.item, item.span, "endless-definition", message)
         places = waiting
     return tuple(made)
+
+
+def _places(units: Sequence[Unit]) -> list[tuple[Place, ast.Attr, Place]]:
+    """All attributes, each once, with where it stands as its file has it."""
+    found: dict[tuple[int, int], tuple[Place, ast.Attr, Place]] = {}
+    for unit in units:
+        written = {item.name: Place(unit, number) for number, item in unit.items(ast.Attr)}
+        for name, place in unit.defined.items():
+            item = place.unit.grammar.items[place.item]
+            if isinstance(item, ast.Attr):
+                known = (place, item, written.get(name, place))
+                found.setdefault((id(place.unit), place.item), known)
+    return list(found.values())
 
 
 def _reads_unknown(pool: Pool, unit: Unit, expr: ast.Expr) -> bool:
@@ -53,7 +66,7 @@ def _reads_unknown(pool: Pool, unit: Unit, expr: ast.Expr) -> bool:
             item = place.unit.grammar.items[place.item]
             if isinstance(item, ast.Const):
                 return _reads_unknown(pool, place.unit, item.value)
-            return isinstance(item, ast.Attr) and place.unit.prefix + item.name not in pool.attrs
+            return isinstance(item, ast.Attr) and place.unit.attribute(item.name) not in pool.attrs
         case ast.Call():
             return any(_reads_unknown(pool, unit, each.value) for each in expr.args)
         case ast.Unary():
@@ -67,31 +80,36 @@ def _reads_unknown(pool: Pool, unit: Unit, expr: ast.Expr) -> bool:
             return False
 
 
-def _attribute(pool: Pool, unit: Unit, number: int, item: ast.Attr) -> ir.Attribute:
-    name = unit.prefix + item.name
+def _attribute(pool: Pool, place: Place, item: ast.Attr, original: Place) -> ir.Attribute:
+    """One attribute; what a redefinition does not say is as in the original."""
+    unit, number = place.unit, place.item
+    name = unit.attribute(item.name)
     code = Code(pool, unit, number)
     code.counter.site = ATTR_SITE | (zlib.crc32(name.encode()) & 0xFFFFFF0)
     register = code.register(code.value(item.default, {}))
+    first = original.unit.grammar.items[original.item]
+    assert isinstance(first, ast.Attr)
+    if item.allowed is None:
+        unit, number = original.unit, original.item
+    allowed = item.allowed or first.allowed
     low = high = None
     choices: tuple[str | float, ...] = ()
-    if isinstance(item.allowed, ast.Range):
-        low, high = (
-            _bound(pool, unit, number, end) for end in (item.allowed.low, item.allowed.high)
-        )
-    elif isinstance(item.allowed, ast.Choices):
+    if isinstance(allowed, ast.Range):
+        low, high = (_bound(pool, unit, number, end) for end in (allowed.low, allowed.high))
+    elif isinstance(allowed, ast.Choices):
         choices = tuple(
             value.value if isinstance(value, ast.Text) else _number(pool, unit, number, value)
-            for value in item.allowed.values
+            for value in allowed.values
         )
     return ir.Attribute(
         name,
-        _type(item),
+        _type(item if item.type is not None else first),
         (tuple(code.instructions), register),
         code.counter.register,
         low,
         high,
         choices,
-        item.doc,
+        item.doc or first.doc,
     )
 
 
