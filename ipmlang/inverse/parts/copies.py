@@ -14,20 +14,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.inverse.frames import Floats, Integers
-from ipmlang.inverse.parts.invariants import mixed
+from ipmlang.inverse.parts.invariants import UV_TOLERANCE, mixed
 from ipmlang.inverse.parts.pieces import Pieces
 
 Truths: TypeAlias = NDArray[np.bool_]
-_UV_TOLERANCE = 1e-5  # of the image
-_NORMAL_TOLERANCE = 0.02  # of the unit: OBJ files round them
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Copies:
     """k parts with v vertices, c corners, f faces each. points (k, v, 3) from their centres;
     corners (k, c) vertex of each corner; after, before (k, c) corners next to it; begin (k, f)
-    first corner of each face; look (k, c) a hash of the face's material and size; uv (k, c, 2),
-    normals (k, c, 3).
+    first corner of each face; look (k, c) a hash of the face's material and size; uv (k, c, 2)
+    where images are laid.
     """
 
     points: Floats
@@ -37,7 +35,6 @@ class Copies:
     begin: Integers
     look: NDArray[np.uint64]
     uv: Floats | None
-    normals: Floats | None
 
     def __len__(self) -> int:
         return len(self.points)
@@ -51,7 +48,6 @@ class Copies:
             self.begin[rows],
             self.look[rows],
             None if self.uv is None else self.uv[rows],
-            None if self.normals is None else self.normals[rows],
         )
 
 
@@ -76,8 +72,7 @@ def stacked(pieces: Pieces, center: Floats, rows: Integers) -> Copies:
         pieces.before[corner] - first,
         pieces.offsets[face] - first,
         np.repeat(look.reshape(-1), sizes).reshape(corner.shape),
-        None if pieces.uv is None else pieces.uv[corner],
-        None if pieces.normals is None else pieces.normals[corner],
+        None if pieces.laid is None else pieces.laid[corner],
     )
 
 
@@ -114,7 +109,7 @@ def in_same_order(model: Model, copies: Copies, linear: Floats) -> Truths:
     kept[rows] = np.einsum("kvi,kvi->kv", off, off).max(axis=1) <= model.tolerance**2
     rows = np.flatnonzero(kept)
     every = np.tile(np.arange(one.corners.shape[1]), (len(rows), 1))
-    kept[rows] = _dressed_alike(model, copies[rows], linear[rows], every, every)
+    kept[rows] = _dressed_alike(model, copies[rows], every, every)
     return kept
 
 
@@ -135,7 +130,7 @@ def matched(
     keys, order = _corner_keys(chosen, corner, ~mirrored)
     same = (keys == model.keys).all(axis=1)
     mine = np.tile(model.order, (len(rows), 1))
-    same[same] = _dressed_alike(model, chosen[same], linear[rows][same], mine[same], order[same])
+    same[same] = _dressed_alike(model, chosen[same], mine[same], order[same])
     found = np.zeros(len(copies), np.bool_)
     found[rows[same]] = True
     return found, places[same]
@@ -190,17 +185,10 @@ def _corner_keys(
     return np.take_along_axis(keys, order, axis=1), order
 
 
-def _dressed_alike(
-    model: Model, copies: Copies, linear: Floats, mine: Integers, theirs: Integers
-) -> Truths:
-    """Whether texture coordinates and normals of corners `theirs` are those of `mine` (k, c)."""
-    one = model.copies
-    alike = np.ones(len(copies), np.bool_)
-    if copies.uv is not None and one.uv is not None:
-        off = np.take_along_axis(copies.uv, theirs[..., None], 1) - one.uv[0][mine]
-        alike &= np.abs(off).max(axis=(1, 2)) <= _UV_TOLERANCE
-    if copies.normals is not None and one.normals is not None:
-        turned = copies.normals @ linear
-        off = np.take_along_axis(turned, theirs[..., None], 1) - one.normals[0][mine]
-        alike &= np.abs(off).max(axis=(1, 2)) <= _NORMAL_TOLERANCE
-    return alike
+def _dressed_alike(model: Model, copies: Copies, mine: Integers, theirs: Integers) -> Truths:
+    """Whether texture coordinates of corners `theirs` are those of `mine` (k, c)."""
+    own = model.copies.uv
+    if copies.uv is None or own is None:
+        return np.ones(len(copies), np.bool_)
+    off = np.take_along_axis(copies.uv, theirs[..., None], 1) - own[0][mine]
+    return np.asarray(np.abs(off).max(axis=(1, 2)) <= UV_TOLERANCE)

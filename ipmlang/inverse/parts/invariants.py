@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from ipmlang.inverse.frames import Floats, Integers
 from ipmlang.inverse.parts.pieces import Pieces, sums
 
+UV_TOLERANCE = 1e-5  # of the image
+
 
 def centers(pieces: Pieces) -> Floats:
     """The mean (n, 3) of each part's corners."""
@@ -40,6 +42,8 @@ def alike(pieces: Pieces, center: Floats, tolerance: float) -> list[Integers]:
     label = label.reshape(-1)
     for column in _lengths(pieces, center).T:
         label = _parted(label, column, 4 * tolerance)
+    for column in _images(pieces).T:
+        label = _parted(label, column, 4 * UV_TOLERANCE)
     order = np.argsort(label, kind="stable")
     groups = np.split(order, np.flatnonzero(np.diff(label[order])) + 1)
     return sorted(groups, key=lambda group: int(group[0]))
@@ -75,6 +79,16 @@ def _edges(pieces: Pieces, counts: Integers) -> Floats:
     ahead = pieces.vertices[pieces.corners[pieces.after]] - pieces.vertices[pieces.corners]
     square = np.einsum("ij,ij->i", ahead, ahead)
     return np.asarray(np.sqrt(sums(square, pieces.corner_start) / counts) / 2)
+
+
+def _images(pieces: Pieces) -> Floats:
+    """Columns of where parts lie on their images: the middle, and how far from it."""
+    if pieces.laid is None:
+        return np.zeros((len(pieces), 0))
+    counts = np.diff(pieces.corner_start)[:, None]
+    middle = sums(pieces.laid, pieces.corner_start) / counts
+    off = pieces.laid - np.repeat(middle, counts[:, 0], axis=0)
+    return np.concatenate([middle, np.sqrt(sums(off**2, pieces.corner_start) / counts)], axis=1)
 
 
 def _parted(label: Integers, value: Floats, gap: float) -> Integers:

@@ -20,7 +20,8 @@ from ipmlang.inverse.parts.soup import corners_of
 @dataclass(frozen=True, slots=True, eq=False)
 class Pieces:
     """n parts. vertices (v, 3), corners (c,) into them, offsets (f + 1,) of faces, material and
-    group (f,), uv (c, 2), normals (c, 3) as in a mesh, all sorted by part; face_start,
+    group (f,), uv (c, 2), normals (c, 3) as in a mesh, all sorted by part; laid (c, 2): the uv
+    that tell parts apart, 0 where no image is laid; face_start,
     corner_start, vertex_start (n + 1,) where each part begins; after, before (c,): the corners
     next to one in its face; face (f): the row of each in the soup.
     """
@@ -32,6 +33,7 @@ class Pieces:
     group: Integers
     uv: Floats | None
     normals: Floats | None
+    laid: Floats | None
     face_start: Integers
     corner_start: Integers
     vertex_start: Integers
@@ -43,8 +45,10 @@ class Pieces:
         return len(self.face_start) - 1
 
 
-def sorted_pieces(mesh: Mesh, same: Integers, part: Integers) -> Pieces:
-    """The faces of a mesh by part (f,). same (v,): vertices of equal label in a part are one."""
+def sorted_pieces(mesh: Mesh, same: Integers, part: Integers, keep_uv: bool) -> Pieces:
+    """The faces of a mesh by part (f,). same (v,): vertices of equal label in a part are one;
+    keep_uv: texture coordinates count even where no image is laid.
+    """
     order = np.argsort(part, kind="stable")
     sizes = np.diff(mesh.offsets)[order]
     corner = corners_of(mesh.offsets, order)
@@ -69,6 +73,7 @@ def sorted_pieces(mesh: Mesh, same: Integers, part: Integers) -> Pieces:
         mesh.group[order],
         None if mesh.uv is None else mesh.uv[corner],
         None if mesh.normals is None else mesh.normals[corner],
+        _laid(mesh, order, corner, keep_uv),
         face_start,
         corner_start,
         np.searchsorted(first, corner_start),
@@ -76,6 +81,14 @@ def sorted_pieces(mesh: Mesh, same: Integers, part: Integers) -> Pieces:
         before,
         order,
     )
+
+
+def _laid(mesh: Mesh, faces: Integers, corner: Integers, keep_uv: bool) -> Floats | None:
+    textured = np.array([*(each.texture is not None for each in mesh.materials), False]) | keep_uv
+    if mesh.uv is None or not textured.any():
+        return None
+    shown = np.repeat(textured[mesh.material[faces]], np.diff(mesh.offsets)[faces])
+    return np.where(shown[:, None], mesh.uv[corner], 0.0)
 
 
 def neighbours(offsets: Integers) -> tuple[Integers, Integers]:

@@ -81,8 +81,11 @@ def _block(
     material = np.tile(known[mesh.material], count)
     own = scene.material[rows]
     if (own >= 0).any():
-        shown = {i: materials.setdefault(scene.materials[i], len(materials)) for i in set(own) - {-1}}
-        instead = np.repeat([shown.get(i, -1) for i in own], faces)
+        given = [
+            materials.setdefault(scene.materials[each], len(materials)) if each >= 0 else -1
+            for each in own.tolist()
+        ]
+        instead = np.repeat(np.array(given), faces)
         material = np.where(np.repeat(own, faces) >= 0, instead, material)
     group = [_paths(scene, mesh, row, paths)[mesh.group] for row in rows.tolist()]
     return _Block(
@@ -170,4 +173,4 @@ def corners_of(offsets: Integers, faces: Integers) -> Integers:
     """The numbers of the corners of faces, in the order of the faces."""
     sizes = np.diff(offsets)[faces]
     ends = np.cumsum(sizes)
-    return np.repeat(offsets[faces] - (ends - sizes), sizes) + np.arange(ends[-1] if len(ends) else 0)
+    return np.repeat(offsets[faces] - (ends - sizes), sizes) + np.arange(sizes.sum())

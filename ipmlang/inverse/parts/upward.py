@@ -12,7 +12,8 @@ from typing import Literal
 import numpy as np
 
 from ipmlang.formats.drawing import Note
-from ipmlang.formats.mesh_types import MeshScene
+from ipmlang.formats.mesh_types import Mesh, MeshScene
+from ipmlang.inverse.frames import Floats
 
 _STATED = (".glb", ".gltf", ".dae")  # their readers turn what they read to z-up
 _USUAL_Y = (".obj",)
@@ -25,7 +26,7 @@ def upward(
     """Whether y is up, and a note where that was guessed."""
     suffix = path.suffix.lower()
     if suffix in _STATED:
-        return up == "y" , ()
+        return up == "y", ()
     if up != "auto":
         return up == "y", ()
     ground = _ground(scene)
@@ -35,14 +36,19 @@ def upward(
 
 
 def _ground(scene: MeshScene) -> str:
-    """`y` or `z` if the model stands on the plane where that is 0, and on no other; else nothing."""
+    """`y` or `z` if the model stands where that is 0 and not where the other is; else nothing."""
     boxes = np.array(
         [
             [points.min(axis=0), points.max(axis=0)]
             for row, number in enumerate(scene.mesh.tolist())
-            if len(points := scene.meshes[number].vertices @ scene.matrix[row, :, :3].T + scene.matrix[row, :, 3])
+            if len(points := _points(scene.meshes[number], scene.matrix[row]))
         ]
     )
     low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
     stands = [bool(abs(low[axis]) <= _GROUND * (high[axis] - low[axis])) for axis in (1, 2)]
     return "y" if stands == [True, False] else "z" if stands == [False, True] else ""
+
+
+def _points(mesh: Mesh, matrix: Floats) -> Floats:
+    """The corners of all faces in the world."""
+    return np.asarray(mesh.vertices[mesh.corners] @ matrix[:, :3].T + matrix[:, 3])

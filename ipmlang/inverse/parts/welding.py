@@ -12,7 +12,7 @@ import numpy as np
 from ipmlang.formats.distinct import distinct_rows
 from ipmlang.inverse.frames import Floats, Integers
 
-SAME, MEETING = 1e-7, 1e-5  # shares of the diagonal
+SAME, MEETING = 1e-7, 5e-6  # shares of the diagonal; bricks that lie near are not one
 
 
 def welded(points: Floats, diagonal: float) -> tuple[Integers, Integers]:
@@ -22,25 +22,15 @@ def welded(points: Floats, diagonal: float) -> tuple[Integers, Integers]:
     first, kind = distinct_rows(points)
     distinct = points[first]
     reach = MEETING * diagonal
-    cells = np.floor((distinct - distinct.min(axis=0)) / max(reach, 1e-300) if len(distinct) else distinct)
+    cells = np.floor((distinct - distinct.min(axis=0)) / max(reach, 1e-300))
     # One point a cell bounds the number of pairs; those in a cell meet anyway.
-    cell_first, cell = distinct_rows(cells)
-    near = cKDTree(distinct[cell_first]).query_pairs(reach, output_type="ndarray")
-    apart = np.linalg.norm(distinct[cell_first][near[:, 0]] - distinct[cell_first][near[:, 1]], axis=1)
-    met = linked(len(cell_first), near)[cell]
-    same = linked(
-        len(distinct),
-        np.concatenate([cell_first[near[apart <= SAME * diagonal]], _same_in_cell(distinct, cell, cell_first, SAME * diagonal)]),
-    )
-    return same[kind], met[kind]
-
-
-def _same_in_cell(points: Floats, cell: Integers, first: Integers, reach: float) -> Integers:
-    """Pairs of a point and the first of its cell that are the same."""
-    other = np.flatnonzero(first[cell] != np.arange(len(cell)))
-    close = np.linalg.norm(points[other] - points[first[cell[other]]], axis=1) <= reach
-    kept = other[close]
-    return np.stack([kept, first[cell[kept]]], axis=1)
+    leader, cell = distinct_rows(cells)
+    near = leader[cKDTree(distinct[leader]).query_pairs(reach, output_type="ndarray")]
+    other = np.flatnonzero(leader[cell] != np.arange(len(cell)))
+    pairs = np.concatenate([near, np.stack([leader[cell[other]], other], axis=1)])
+    apart = np.linalg.norm(distinct[pairs[:, 0]] - distinct[pairs[:, 1]], axis=1)
+    same = linked(len(distinct), pairs[apart <= SAME * diagonal])
+    return same[kind], linked(len(distinct), pairs)[kind]
 
 
 def linked(count: int, pairs: Integers) -> Integers:

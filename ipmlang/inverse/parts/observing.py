@@ -13,11 +13,13 @@ from typing import Literal
 
 import numpy as np
 
+from ipmlang.formats import FormatError
 from ipmlang.formats.drawing import Note
 from ipmlang.formats.mesh import read_meshes
 from ipmlang.formats.mesh_types import Mesh
 from ipmlang.inverse.frames import Floats, from_matrices
 from ipmlang.inverse.parts.classes import MOST_SYMMETRY, Classes, ShapeClass, classified
+from ipmlang.inverse.parts.mending import sound
 from ipmlang.inverse.parts.naming import class_names
 from ipmlang.inverse.parts.observation import PartClass, Parts
 from ipmlang.inverse.parts.pieces import Pieces, piece_mesh, sorted_pieces
@@ -34,36 +36,56 @@ def observe(
     up: Literal["auto", "y", "z"] = "auto",
     unit: float = 1.0,
     within: float | None = None,
+    keep_uv: bool = False,
 ) -> Parts:
     """The parts of a model.
 
     up: which way is up in the file; unit: what lengths are multiplied with; within: share of the
-    diagonal that equal parts may differ by, None for what counts as exact (1e-6). FormatError where
+    diagonal that equal parts may differ by, None for what counts as exact (1e-6); keep_uv: texture
+    coordinates tell shapes apart even where no image is laid by them. FormatError where
     the file cannot be read or holds no faces.
     """
     path = Path(path)
     scene = read_meshes(path)
     turned, guess = upward(path, scene, up)
     soup = gathered(scene, turned, unit)
-    parts = parts_of(soup, EXACT if within is None else within, path.stem)
+    reach = EXACT if within is None else within
+    parts = parts_of(soup, reach, path.stem, keep_uv, (*scene.notes, *guess))
     up_in_file: Literal["y-up", "z-up"] = "y-up" if turned else "z-up"
-    notes = (*scene.notes, *guess, *parts.notes)
-    return replace(parts, up=up_in_file, source_bytes=path.stat().st_size, notes=notes)
+    return replace(parts, up=up_in_file, source_bytes=path.stat().st_size)
 
 
-def parts_of(soup: Soup, within: float, stem: str = "") -> Parts:
-    """The parts of faces in the world; `stem` is what the model is called."""
+def parts_of(
+    soup: Soup,
+    within: float,
+    stem: str = "",
+    keep_uv: bool = False,
+    said: tuple[Note, ...] = (),
+) -> Parts:
+    """The parts of faces in the world; `stem` is what the model is called, `said` what its notes
+    begin with. FormatError where no face has an area.
+    """
     mesh = soup.mesh
     diagonal = float(np.linalg.norm(np.ptp(mesh.vertices[mesh.corners], axis=0)))
     same, met = welded(mesh.vertices, diagonal)
-    nodes = met[mesh.corners]
-    apart = soup.shared[soup.owner]
-    if apart.any():  # copies of one mesh stay whole, and apart from what they touch
-        owner = np.repeat(np.where(apart, soup.owner + 1, 0), np.diff(mesh.offsets))
-        nodes = owner * (int(met.max()) + 1) + nodes
+    # Copies of one mesh stay whole, and apart from what they touch.
+    owner = np.where(soup.shared[soup.owner], soup.owner + 1, 0)
+    nodes = np.repeat(owner * (int(met.max()) + 1), np.diff(mesh.offsets)) + met[mesh.corners]
     part = connected_faces(nodes, mesh.offsets)
-    pieces = sorted_pieces(mesh, same, part)
-    return _told(soup, pieces, classified(pieces, within * diagonal), diagonal, stem)
+    better, kept, mended = sound(mesh, same, owner, diagonal)
+    if not len(kept):
+        hint = "; ".join(f"{note.message} ({note.count})" for note in (*said, *mended))
+        raise FormatError("no face of the model has an area", hint=hint)
+    _, part = np.unique(part[kept], return_inverse=True)
+    pieces = sorted_pieces(better, same, part, keep_uv)
+    found = classified(pieces, within * diagonal)
+    told = _told(replace(soup, mesh=better), pieces, found, diagonal, stem)
+    return replace(
+        told,
+        triangles=int((np.diff(mesh.offsets) - 2).sum()),
+        vertices=len(mesh.vertices),
+        notes=(*said, *_unused(mesh), *mended, *told.notes),
+    )
 
 
 def _told(soup: Soup, pieces: Pieces, found: Classes, diagonal: float, stem: str) -> Parts:
@@ -90,7 +112,6 @@ def _told(soup: Soup, pieces: Pieces, found: Classes, diagonal: float, stem: str
         )
         for name, mesh, each in zip(names, meshes, found.classes, strict=True)
     )
-    sizes = np.diff(soup.mesh.offsets)
     return Parts(
         found.shape,
         from_matrices(matrix),
@@ -101,8 +122,8 @@ def _told(soup: Soup, pieces: Pieces, found: Classes, diagonal: float, stem: str
         misfit,
         diagonal,
         "z-up",
-        int((sizes - 2).sum()),
-        len(soup.mesh.vertices),
+        0,
+        0,
         0,
         _remarks(found.classes),
     )
@@ -126,6 +147,13 @@ def _paths(soup: Soup, pieces: Pieces) -> tuple[tuple[str, ...], ...]:
     order = np.lexsort([first, -often, key // count])
     leading = order[np.searchsorted(key[order] // count, np.arange(len(pieces)))]
     return tuple(soup.paths[each] for each in (key[leading] % count).tolist())
+
+
+def _unused(mesh: Mesh) -> tuple[Note, ...]:
+    used = np.zeros(len(mesh.vertices), np.bool_)
+    used[mesh.corners] = True
+    lost = int((~used).sum())
+    return (Note("unused-vertex", "vertices that no face uses were left out", lost),) if lost else ()
 
 
 def _remarks(classes: Sequence[ShapeClass]) -> tuple[Note, ...]:
