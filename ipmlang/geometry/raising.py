@@ -82,7 +82,7 @@ def extrusions(
     [3.0, 4.0]
     """
     found: list[Solid | None] = [None] * len(solids)
-    for places, vertices in alike(solids):
+    for _, places, vertices in alike(solids):
         one = solids[places[0]]
         if len(one) != 1:
             continue

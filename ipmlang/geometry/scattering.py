@@ -7,10 +7,12 @@ uniform exactly, and the work for a point is bounded.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ipmlang.geometry.sections import heights_of, layers_of, sections, sides_of, within
-from ipmlang.geometry.solid import Floats, GeometryError, Solid, bounds, is_closed
+from ipmlang.geometry.solid import Floats, GeometryError, Indices, Solid, bounds, is_closed, joined
 from ipmlang.geometry.triangles import triangles
 
 _AT_ONCE = 200_000  # uses of triangles by points that are looked at together
@@ -32,6 +34,21 @@ def scatter(solid: Solid, count: int, over: str, uniforms: Floats) -> Floats:
     return make(solid, np.asarray(uniforms, np.float64).reshape(count, 3))
 
 
+def scattered(solids: Sequence[Solid], counts: Indices, over: str, uniforms: Floats) -> Floats:
+    """What `scatter` gives in each of many solids, one after the other: `counts` (n,) points each,
+    of as many rows of uniforms (p, 3).
+    """
+    ends = np.cumsum(counts).tolist()
+    rows = [slice(end - count, end) for end, count in zip(ends, counts.tolist(), strict=True)]
+    if over == "surface":
+        parts = zip(_surfaces(solids), rows, strict=True)
+        found = [_on_triangles(own, uniforms[chosen]) for own, chosen in parts]
+    else:
+        own = zip(solids, counts.tolist(), rows, strict=True)
+        found = [scatter(solid, count, over, uniforms[chosen]) for solid, count, chosen in own]
+    return np.concatenate([np.zeros((0, 3)), *found])
+
+
 def _in_box(solid: Solid, uniforms: Floats) -> Floats:
     low, high = bounds(solid)
     points: Floats = low + uniforms * (high - low)
@@ -39,10 +56,23 @@ def _in_box(solid: Solid, uniforms: Floats) -> Floats:
 
 
 def _on_surface(solid: Solid, uniforms: Floats) -> Floats:
-    corners, _ = triangles(solid)
-    a, b, c = solid.vertices[corners].transpose(1, 0, 2)
-    across = np.cross(b - a, c - a)
-    below = np.cumsum(np.sqrt(np.einsum("ij,ij->i", across, across)))
+    return _on_triangles(_surfaces([solid])[0], uniforms)
+
+
+def _surfaces(solids: Sequence[Solid]) -> list[Floats]:
+    """The corners (t, 3, 3) of triangles that fill the faces of each solid."""
+    if not solids:
+        return []
+    whole = joined(solids)
+    corners, face = triangles(whole)
+    last = np.searchsorted(face, np.cumsum([len(each) for each in solids]))
+    return np.split(whole.vertices[corners], last[:-1])
+
+
+def _on_triangles(corners: Floats, uniforms: Floats) -> Floats:
+    a, b, c = corners.transpose(1, 0, 2)
+    (x, y, z), (u, v, w) = (b - a).T, (c - a).T
+    below = np.cumsum(np.sqrt((y * w - z * v) ** 2 + (z * u - x * w) ** 2 + (x * v - y * u) ** 2))
     if not len(below) or below[-1] <= 0:
         raise GeometryError(
             "there is no surface to scatter on", "scatter over a polygon or a solid"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ipmlang.geometry.loops import frame
-from ipmlang.geometry.solid import Floats, Indices, Solid, normals, ring_points, rings_of
+from ipmlang.geometry.solid import Floats, Indices, Solid, normals
 
 
 def triangles(solid: Solid) -> tuple[Indices, Indices]:
@@ -16,19 +16,22 @@ def triangles(solid: Solid) -> tuple[Indices, Indices]:
     import manifold3d
 
     found: list[Indices] = [np.zeros((0, 3), np.int64)]
-    faces: list[int] = []
+    counts: list[int] = []
     outward = normals(solid)
+    rings, starts = solid.rings.tolist(), solid.faces.tolist()
+    points = solid.vertices[solid.corners]
     for face in range(len(solid)):
-        corners = np.concatenate(list(rings_of(solid, face)))
+        spans = [(rings[k], rings[k + 1]) for k in range(starts[face], starts[face + 1])]
+        corners = solid.corners[spans[0][0] : spans[-1][1]]
         if len(corners) == 3:
             own = corners[None]
         else:
-            plane = _plane(outward[face])
-            flat = [np.ascontiguousarray(ring @ plane.T) for ring in ring_points(solid, face)]
+            plane = _plane(outward[face]).T
+            flat = [np.ascontiguousarray(points[a:b] @ plane) for a, b in spans]
             own = corners[manifold3d.triangulate(flat)]
         found.append(own)
-        faces += [face] * len(own)
-    return np.concatenate(found), np.array(faces, np.int64)
+        counts.append(len(own))
+    return np.concatenate(found), np.repeat(np.arange(len(solid)), counts)
 
 
 def _plane(normal: Floats) -> Floats:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 
 import numpy as np
 from numpy.typing import NDArray
@@ -122,15 +123,30 @@ def _ends_a_tag(word: str, words: frozenset[str]) -> bool:
     return any(each.endswith(f".{word}") for each in words)
 
 
-def _taken(selectors: Sequence[ir.Const], words: Sequence[frozenset[str]]) -> list[list[int]]:
-    """For each selector the pieces that it is the first to take."""
-    found: list[list[int]] = [[] for _ in selectors]
-    for number, own in enumerate(words):
-        for place, selector in enumerate(selectors):
-            if selects(selector, own, number):
-                found[place].append(number)
-                break
+def _taken(
+    selectors: Sequence[ir.Const], pieces: Sequence[Sequence[frozenset[str]]]
+) -> list[list[list[int]]]:
+    """For each shape and each selector the pieces that it is the first to take; `pieces`: the words
+    of those of each shape. Shapes have pieces like each other's: each is looked at once.
+    """
+    known: dict[tuple[int, frozenset[str]], int] = {}
+    found: list[list[list[int]]] = []
+    for words in pieces:
+        own: list[list[int]] = [[] for _ in selectors]
+        for number, each in enumerate(words):
+            place = known.get((number, each))
+            if place is None:
+                place = known[number, each] = _taker(selectors, each, number)
+            if place >= 0:
+                own[place].append(number)
+        found.append(own)
     return found
+
+
+def _taker(selectors: Sequence[ir.Const], words: frozenset[str], number: int) -> int:
+    """The first selector that takes a piece; -1 if none does."""
+    takes = (place for place, each in enumerate(selectors) if selects(each, words, number))
+    return next(takes, -1)
 
 
 # ---------------------------------------------------------------------------- faces of boxes
@@ -195,7 +211,7 @@ def _faces_taken(use: Apart, code: int) -> list[tuple[list[int], list[int]]]:
         own = (frozenset.intersection(*tags),) * len(faces)
     words = [boxes.WORDS[face] | tag for face, tag in zip(faces, own, strict=True)]
     found = []
-    for taken in _taken(use.selectors, words):
+    for taken in _taken(use.selectors, [words])[0]:
         geometry = [pool.box((own[each],)) for each in taken]
         found.append(([faces[each] for each in taken], geometry))
     return found
@@ -232,13 +248,15 @@ def _spread(
     """
     count = use.given.count
     rows = np.arange(count) if use.shown is None else use.shown
-    taken = [_taken(use.selectors, own) for own in words]
-    starts = np.cumsum([0, *(len(own) for own in words)])
+    taken = _taken(use.selectors, words)
+    starts = [0, *accumulate(len(own) for own in words)]
     made = []
     for place in range(len(use.selectors)):
-        own = [np.array(each[place], np.int64) + starts[k] for k, each in enumerate(taken)]
+        own = [each[place] for each in taken]
         many = np.array([len(each) for each in own], np.int64)
-        flat = np.concatenate([np.zeros(0, np.int64), *own])
+        flat = np.array(
+            [k + n for k, each in zip(starts, own, strict=False) for n in each], np.int64
+        )
         per_row = many[kinds.kind] if len(rows) else np.zeros(0, np.int64)
         owner, index = _dealt(per_row)
         at = flat[(np.cumsum(many) - many)[kinds.kind[owner]] + index]
@@ -264,7 +282,7 @@ def _piece_state(
 
 def _scattered(use: Apart) -> list[Batched]:
     """Points at random on the surfaces, in the volumes or in the scopes of shapes."""
-    from ipmlang.geometry.scattering import scatter
+    from ipmlang.geometry.scattering import scattered
 
     given, state = use.given, use.state
     rows = np.arange(given.count) if use.shown is None else use.shown
@@ -279,15 +297,9 @@ def _scattered(use: Apart) -> list[Batched]:
         raise GeometryError(f"`scatter` cannot place {counts.sum():,} points")
     sizes = np.stack([boxes.full(state[name], given.count)[rows] for name in SIZES], axis=1)
     draws = _draws(use, rows, counts)
-    ends = np.cumsum(counts)
-    points = [
-        scatter(given.pool.local(number, size), count, over, draws[end - count : end])
-        for number, size, count, end in zip(
-            numbers.tolist(), sizes, counts.tolist(), ends.tolist(), strict=True
-        )
-        if count
-    ]
-    corner = np.concatenate([np.zeros((0, 3)), *points])
+    there = np.flatnonzero(counts)
+    solids = given.pool.all_local(numbers[there].tolist(), sizes[there])
+    corner = scattered(solids, counts[there], over, draws)
     blank = np.zeros(corner.shape)
     turn = np.tile((1.0, 0.0, 0.0, 0.0), (len(corner), 1))
     each = np.arange(len(rows))

@@ -20,7 +20,6 @@ from ipmlang.geometry.solid import (
     alike,
     area_vectors,
     bounds,
-    makeup,
     placed,
     reshaped,
     tagged,
@@ -35,6 +34,7 @@ SNAP = 1e-9  # of a geometry's size: extents below are none, corners this near a
 
 Columns = tuple[NDArray[np.bool_], NDArray[np.int32], NDArray[np.bool_]]
 Load = Callable[[int], Solid]
+Key = object  # that two geometries have in common which are one
 
 
 class Pool:
@@ -158,33 +158,30 @@ class Pool:
 
     def all_within(self, solids: Sequence[Solid], low: Floats, size: Floats) -> Floats:
         """The numbers (n,) of solids whose scopes are boxes of these corners and sizes (n, 3)."""
-        found = np.zeros(len(solids))
-        units: list[tuple[Solid, bytes, bool]] = [(each, b"", False) for each in solids]
-        for places, vertices in alike(solids):
+        units: list[tuple[Solid, Key, bool]] = [(each, b"", False) for each in solids]
+        for made, places, vertices in alike(solids):
             vertices -= low[places, None]
             own = size[places, None]
             vertices /= np.where(own > 0, own, 1.0)
             for bound in (0.0, 1.0):
                 vertices[np.abs(vertices - bound) <= SNAP] = bound
             vertices[np.broadcast_to(own <= 0, vertices.shape)] = 0.0
-            whole = ((vertices == 0.0) | (vertices == 1.0)).all(axis=(1, 2))
             rounded = np.round(vertices, 9)
+            whole = ((vertices == 0.0) | (vertices == 1.0)).all(axis=(1, 2)).tolist()
             for row, place in enumerate(places):
-                unit = reshaped(solids[place], vertices[row])
-                units[place] = (unit, rounded[row].tobytes(), bool(whole[row]))
-        for place, (unit, places_bytes, at_bounds) in enumerate(units):
-            found[place] = self._unit(unit, places_bytes, at_bounds, size[place])
-        return found
+                solid = solids[place]
+                uv = b"" if solid.uv is None else solid.uv.tobytes()
+                unit = reshaped(solid, vertices[row])
+                units[place] = (unit, (rounded[row].tobytes(), made, uv), whole[row])
+        sizes = zip(units, size, strict=True)
+        return np.array([self._unit(*each, own) for each, own in sizes], np.float64)
 
-    def _unit(self, unit: Solid, rounded: bytes, at_bounds: bool, size: Floats) -> int:
-        """The number of a solid in its unit box."""
+    def _unit(self, unit: Solid, key: Key, at_bounds: bool, size: Floats) -> int:
+        """The number of a solid in its unit box; `at_bounds`: all its vertices are at corners."""
         if not len(unit):
             return NOTHING
         box = self._as_box(unit, size) if at_bounds else None
-        if box is not None:
-            return box
-        uv = b"" if unit.uv is None else unit.uv.tobytes()
-        return self._number((rounded, makeup(unit), uv), unit, SOLID, box=False)
+        return self._number(key, unit, SOLID, box=False) if box is None else box
 
     def asset(self, asset: int) -> int:
         """The number of an asset that fills its scope."""
