@@ -8,7 +8,7 @@ cells that repeat, which people read and edit more easily than rows. Nothing is 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeGuard
 
 import numpy as np
@@ -34,9 +34,23 @@ from ipmlang.inverse.split.scheme import (
 )
 from ipmlang.inverse.split.subdivisions import lattices
 
-BONUS = 8  # tokens that a split with cells that repeat may cost more than what it replaces
+BONUS = 8  # tokens that a split may cost more where cells repeat, and has to save where none do
 MOST = 2500  # contents weighed in one rule, and in all
+MOST_BARE = 8  # cells of a split of which none repeat
 EXACT = 0.05  # of what does not count: as near a symbol has to be to stand in a cell as it is
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Cutting:
+    """Contents in a scope, about to be cut along an axis between groups; bare: how many splits
+    around it have no cells that repeat.
+    """
+
+    inside: Contents
+    size: Floats
+    axis: int
+    groups: Groups
+    bare: int
 
 
 @dataclass(slots=True, eq=False)
@@ -70,7 +84,7 @@ class Building:
     def _own_cost(self, symbol: Symbol) -> int:
         if isinstance(symbol, Terminal):
             return ASSET
-        return rule_tokens(symbol, self.small) - BONUS * sum(map(repeats, symbol.items))
+        return rule_tokens(symbol, self.small) - sum(map(bonus, symbol.items))
 
     def cost(self, number: int) -> int:
         """Of a symbol and all that it needs and that is not free."""
@@ -82,8 +96,10 @@ class Building:
 
     # -------------------------------------------------------------- contents
 
-    def build(self, inside: Contents, size: Floats) -> int:
-        """The symbol for contents in a scope of this size."""
+    def build(self, inside: Contents, size: Floats, bare: int = 0) -> int:
+        """The symbol for contents in a scope of this size; bare: how many splits around it have no
+        cells that repeat.
+        """
         inside = sorted_rows(inside, self.small)
         known = self._known.setdefault(inside.kind.tobytes(), [])
         for other, extent, number in known:
@@ -93,7 +109,7 @@ class Building:
         options = [self._plain(inside, size)]
         if self._left > 0 and 1 < len(inside) <= MOST:
             self._left -= 1
-            options += self._splits(inside, size)
+            options += self._splits(inside, size, bare)
         number = min(options, key=self.cost)
         known.append((inside, size, number))
         return number
@@ -130,6 +146,9 @@ class Building:
 
     def _rows(self, alike: Contents) -> Iterator[Item]:
         symbol = self.new[int(alike.symbol[0])]
+        if len(alike) < 3:
+            yield Place(symbol, alike.frames)
+            return
         found, rest = lattices(alike.frames.position, self.small)
         single = [rest]
         for lattice in found:
@@ -146,32 +165,37 @@ class Building:
 
     # -------------------------------------------------------------- splits
 
-    def _splits(self, inside: Contents, size: Floats) -> list[int]:
+    def _splits(self, inside: Contents, size: Floats, bare: int) -> list[int]:
         found = []
         for axis in (2, 0, 1):  # of ways that cost the same, floors of bays
             for groups in side_by_side(inside, axis, self.small):
                 chosen = runs(inside, groups, axis, self.small)
+                if all(run.count == 1 for run in chosen) and (bare or len(chosen) > MOST_BARE):
+                    continue
                 laid = spans(groups, chosen, float(size[axis]), self.small)
                 if laid is not None:
-                    found.append(self._split(inside, size, axis, groups, laid))
+                    found.append(self._split(_Cutting(inside, size, axis, groups, bare), laid))
         return found
 
-    def _split(
-        self, inside: Contents, size: Floats, axis: int, groups: Groups, laid: list[Span]
-    ) -> int:
-        cells = tuple(self._cell(inside, size, axis, groups, span) for span in laid)
-        split = Split(axis, self._settled(cells, size, axis))
-        behind = inside[groups.backdrop]
+    def _split(self, cutting: _Cutting, laid: list[Span]) -> int:
+        if any(span.count > 1 for span in laid):
+            cutting = replace(cutting, bare=0)
+        else:
+            cutting = replace(cutting, bare=cutting.bare + 1)
+        cells = tuple(self._cell(cutting, span) for span in laid)
+        split = Split(cutting.axis, self._settled(cells, cutting.size, cutting.axis))
+        behind = cutting.inside[cutting.groups.backdrop]
         items = tuple(self.placed(behind)) if len(behind) else ()
-        return self.add(Rule("", size, (*items, split)))
+        return self.add(Rule("", cutting.size, (*items, split)))
 
-    def _cell(self, inside: Contents, size: Floats, axis: int, groups: Groups, span: Span) -> Cell:
+    def _cell(self, cutting: _Cutting, span: Span) -> Cell:
         if span.empty:
             return Cell(span.length, None, elastic=span.elastic)
-        rows: Integers = np.concatenate(groups.rows[span.first : span.last])
-        along = np.eye(3)[axis]
-        own = np.where(along > 0, span.length, size)
-        symbol = self.build(inside[rows].moved(-span.low * along), own)
+        rows: Integers = np.concatenate(cutting.groups.rows[span.first : span.last])
+        along = np.eye(3)[cutting.axis]
+        own = np.where(along > 0, span.length, cutting.size)
+        inside = cutting.inside[rows].moved(-span.low * along)
+        symbol = self.build(inside, own, cutting.bare)
         return Cell(span.length, symbol, span.count, span.elastic)
 
     def _settled(self, cells: tuple[Cell, ...], size: Floats, axis: int) -> tuple[Cell, ...]:
@@ -192,6 +216,14 @@ class Building:
 def repeats(item: Item) -> TypeGuard[Split]:
     """Whether an item is a split with cells that repeat."""
     return isinstance(item, Split) and any(cell.count > 1 for cell in item.cells)
+
+
+def bonus(item: Item) -> int:
+    """What an item may cost more than another that draws the same."""
+    if not isinstance(item, Split):
+        return 0
+    most = max(cell.count for cell in item.cells)
+    return -BONUS if most == 1 else BONUS * (most > 2)
 
 
 def is_cut(symbol: Symbol) -> bool:

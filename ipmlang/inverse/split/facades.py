@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ipmlang.inverse.frames import Floats, compose, moved_to
-from ipmlang.inverse.split.building import BONUS, Building, repeats
+from ipmlang.inverse.split.building import Building, bonus, repeats
 from ipmlang.inverse.split.changing import begun_at, copies, needed, owned
 from ipmlang.inverse.split.contents import Contents, Kinds, contents, extents
 from ipmlang.inverse.split.cost import scheme_tokens
@@ -42,8 +42,7 @@ def as_splits(scheme: Scheme, small: float) -> Scheme:
 
 def _score(scheme: Scheme, small: float) -> int:
     rules = [symbol for symbol in scheme.symbols if isinstance(symbol, Rule)]
-    cut = sum(repeats(item) for rule in rules for item in rule.items)
-    return scheme_tokens(scheme, small) - BONUS * cut
+    return scheme_tokens(scheme, small) - sum(bonus(item) for rule in rules for item in rule.items)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
