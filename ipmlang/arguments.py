@@ -80,7 +80,7 @@ def check_inference(file: Path, output: Path | None) -> None:
             hint = "rename it: its name is not encoded as this system expects"
             raise fail("bad-command", f"no grammar can hold the name `{path.name}`", hint=hint)
     if file.is_dir():
-        raise fail("is-a-folder", f"{file} is a folder, not a drawing")
+        raise fail("is-a-folder", f"{file} is a folder, not a drawing or a model")
     if output is None:
         return
     if output.suffix != ".ipm":
@@ -88,7 +88,8 @@ def check_inference(file: Path, output: Path | None) -> None:
     if not output.absolute().parent.is_dir():
         message = f"cannot write `{output}`: there is no folder `{output.parent}`"
         raise fail("cannot-write", message, hint="make the folder first, or name one that exists")
-    keep_apart([output, output.with_name(f"{output.stem}.parts.svg")], [file])
+    beside = [output.with_name(f"{output.stem}.parts{each}") for each in (".svg", ".obj", ".glb")]
+    keep_apart([output, *beside], [file])
 
 
 def keep_apart(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:

@@ -1,6 +1,6 @@
-"""The command `infer`: from a drawing to a grammar, with what a person may ask of it.
+"""The command `infer`: from a drawing or a model to a grammar, with what a person may ask of it.
 
-Reads a drawing, has its grammar found and proven, writes it, and prints a line for a person or,
+Reads a file, has its grammar found and proven, writes it, and prints a line for a person or,
 with `--json`, one object for a machine. Why a grammar is as it is goes to standard error.
 """
 
@@ -17,7 +17,7 @@ from ipmlang import options
 from ipmlang.telling import working
 
 if TYPE_CHECKING:
-    from ipmlang.inverse import Inference
+    from ipmlang.inverse import Inference, Up
 
 Command = TypeVar("Command", bound=Callable[..., None])
 WEIGHTS = {
@@ -58,6 +58,13 @@ def weight_options(command: Command) -> Command:
     help="which inverse method",
 )
 @click.option("--flat", is_flag=True, help="one placement per element, no rules: the baseline")
+@click.option(
+    "--up",
+    type=click.Choice(["auto", "y", "z"]),
+    default="auto",
+    show_default=True,
+    help="which axis is up in the file of a model",
+)
 @weight_options
 @click.option(
     "--similarity",
@@ -70,14 +77,18 @@ def weight_options(command: Command) -> Command:
     "--within",
     type=float,
     metavar="SHARE",
-    help="how far the grammar may be off, 1e-6 to 0.1 of the drawing's diagonal",
+    help="how far the grammar may be off, 1e-6 to 0.1 of the file's diagonal",
 )
 @click.option(
     "--symmetrize",
     is_flag=True,
     help="the regular grammar of a drawing with noise; without --within, steps say how much",
 )
-@click.option("--paper", is_flag=True, help="print rules for pairs that do not pay, too")
+@click.option(
+    "--paper",
+    is_flag=True,
+    help="as the paper: for drawings rules for pairs that do not pay, too; for models octants",
+)
 @click.option("--explain", is_flag=True, help="tell what won in each round of the search, and why")
 @options.JSON
 def infer_file(
@@ -85,6 +96,7 @@ def infer_file(
     output: Path | None,
     method: str,
     flat: bool,
+    up: Up,
     weight_near: float,
     weight_similar: float,
     weight_long: float,
@@ -96,14 +108,17 @@ def infer_file(
     explain: bool,
     as_json: bool,
 ) -> None:
-    """Read the drawing in FILE and write the grammar a person would have written.
+    """Read the drawing or model in FILE and write the grammar a person would have written.
 
-    The grammar is derived and compared with the drawing before it is written. A weight of 1 leaves
-    choices to the length of the grammar; more prefers, less avoids.
+    The grammar is derived and compared with the file before it is written. Of a model (.obj, .glb,
+    .ply, .stl, .off) that is made of components, the split grammar is found; its terminals go to
+    a .parts.obj or .parts.glb beside the grammar. Weights, similarity and symmetry are for
+    drawings: a weight of 1 leaves choices to the length of the grammar; more prefers, less avoids.
 
     \b
     Example:
       ipmlang infer garden.svg -o garden.ipm
+      ipmlang infer house.obj -o house.ipm
       ipmlang infer facade.svg -o facade.ipm --symmetrize
       ipmlang infer scene.svg -o scene.ipm --weight-near 4 --explain
     """  # fmt: skip
@@ -116,6 +131,7 @@ def infer_file(
             file,
             method=method,
             flat=flat,
+            up=up,
             weights=Weights(weight_near, weight_similar, weight_long, weight_many),
             similarity=similarity,
             within=within,

@@ -11,6 +11,7 @@ import json
 import struct
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,15 +24,18 @@ from ipmlang.formats.node_transforms import Transforms, decomposed
 
 _INSTANCING = "EXT_mesh_gpu_instancing"
 _TURN = [1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1]  # z-up to y-up, by columns
+_ROOT: Entry = {"name": "z-up", "matrix": _TURN}
 _FLOAT, _UINT, _USHORT = 5126, 5125, 5123
 _VERTICES, _INDICES = 34962, 34963
 _SHAPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
 _BATCH = 100_000
 
 
-def glb_bytes(scene: MeshScene, *, instancing: bool = False) -> bytes:
+def glb_bytes(
+    scene: MeshScene, *, instancing: bool = False, up: Literal["y-up", "z-up"] = "z-up"
+) -> bytes:
     """The GLB file of a scene; `instancing` writes equal copies as one node with an extension that
-    fewer programs read, and says so in the file.
+    fewer programs read, and says so in the file. up: of the scene.
     """
     if not np.isfinite(scene.matrix).all():
         raise FormatError("a copy stands at a place without a value (not a number, or infinite)")
@@ -44,7 +48,14 @@ def glb_bytes(scene: MeshScene, *, instancing: bool = False) -> bytes:
         nodes = _instanced_nodes(file, scene, variants, transforms)
     else:
         nodes = _nodes(scene, variants.row, transforms)
-    return file.packed(meshes, nodes, _extras(file, scene), instancing)
+    root: Entry = _ROOT if up == "z-up" else {"name": "y-up"}
+    return file.packed(meshes, [_root(root, len(nodes)), *nodes], _extras(file, scene), instancing)
+
+
+def _root(root: Entry, children: int) -> str:
+    """The node that all others stand under."""
+    under = {"children": list(range(1, children + 1))} if children else {}
+    return json.dumps({**root, **under}, separators=(",", ":"))
 
 
 @dataclass(slots=True)
@@ -160,11 +171,7 @@ class _File:
     def packed(
         self, meshes: list[Entry], nodes: list[str], extras: Entry, instancing: bool
     ) -> bytes:
-        """The whole file; `nodes` are JSON already, as there may be very many."""
-        children = ",".join(map(str, range(1, len(nodes) + 1)))
-        root = f'{{"name":"z-up","matrix":{json.dumps(_TURN)}' + (
-            f',"children":[{children}]}}' if nodes else "}"
-        )
+        """The whole file; `nodes`, the root first, are JSON already, as there may be very many."""
         tree: Entry = {
             "asset": {"version": "2.0", "generator": "ipmlang"},
             "scene": 0,
@@ -175,11 +182,11 @@ class _File:
             "bufferViews": self.views,
             "buffers": [{"byteLength": self.size}] if self.size else [],
         }
-        if instancing and nodes:
+        if instancing and len(nodes) > 1:
             tree["extensionsUsed"] = tree["extensionsRequired"] = [_INSTANCING]
         head = json.dumps({key: value for key, value in tree.items() if value != []},
                           separators=(",", ":"), ensure_ascii=False)  # fmt: skip
-        text = head[:-1] + ',"nodes":[' + ",".join([root, *nodes]) + "]}"
+        text = head[:-1] + ',"nodes":[' + ",".join(nodes) + "]}"
         return _chunks(text.encode("utf-8"), b"".join(self.data))
 
 

@@ -141,6 +141,22 @@ def _triangulated_together(meshes: Sequence[Mesh]) -> Iterator[tuple[Indices, In
         yield cut[part] - corners[number], face[part] - faces[number]
 
 
+def face_normals(mesh: Mesh) -> Floats:
+    """(f, 3) the direction that each face looks in, as long as twice its area."""
+    counts = np.diff(mesh.offsets)
+    found = np.zeros((len(counts), 3))
+    full = counts > 0
+    begin = mesh.offsets[:-1][full]
+    if not len(begin):
+        return found
+    points = mesh.vertices[mesh.corners]
+    points = points - np.repeat(points[begin], counts[full], axis=0)  # small numbers cancel less
+    after = np.arange(1, len(points) + 1)
+    after[mesh.offsets[1:][full] - 1] = begin
+    found[full] = np.add.reduceat(np.cross(points, points[after]), begin, axis=0)
+    return found
+
+
 def chosen_faces(mesh: Mesh, keep: NDArray[np.bool_]) -> Mesh:
     """The faces that are kept (f,), with only the vertices they use."""
     counts = np.diff(mesh.offsets)

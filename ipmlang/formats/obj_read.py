@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeVar
 
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ipmlang.formats import FormatError
 from ipmlang.formats.drawing import Note
-from ipmlang.formats.mesh_types import Mesh, MeshScene, single, without_bad_faces
+from ipmlang.formats.mesh_types import Mesh, MeshScene, face_normals, single, without_bad_faces
 from ipmlang.formats.mtl import Library, Shade, read_library
 
 Floats = NDArray[np.float64]
@@ -41,13 +41,16 @@ class _Lines:
 
 def read_obj(path: Path) -> MeshScene:
     """The mesh of an OBJ file, every face with its object, group and material."""
-    lines = _sorted_lines(_text(path.read_bytes()))
+    text = _text(path.read_bytes())
+    lines = _sorted_lines(text)
     vertices = _numbers(*lines.points, 3)
     textures = _numbers(*lines.textures, 2)
     normals = _numbers(*lines.normals, 3)
     counts, corners = _corners(lines, (len(vertices), len(textures), len(normals)))
     material, group, groups, named = _labels(lines)
     library = _libraries(lines, path.parent)
+    if "\nnewmtl " in text:  # materials may stand in the file itself
+        library.shades.update(read_library(path.parent, text).shades)
     shades = [library.shades.get(each, Shade()) for each in named]
     mesh = Mesh(
         vertices,
@@ -58,8 +61,8 @@ def read_obj(path: Path) -> MeshScene:
         tuple(shade.material(name) for name, shade in zip(named, shades, strict=True)),
         groups,
         _uv(textures, corners[:, 1], np.repeat(material, counts), shades),
-        normals[corners[:, 2]] if len(corners) and corners[:, 2].min() >= 0 else None,
     )
+    mesh = replace(mesh, normals=_normals(mesh, normals, corners[:, 2]))
     mesh, notes = without_bad_faces(mesh)
     return single(mesh, path.stem, (*library.notes, *notes, *_remarks(mesh)))
 
@@ -234,7 +237,7 @@ def _labels(lines: _Lines) -> tuple[Ints, Ints, tuple[tuple[str, ...], ...], lis
             case "mtllib":
                 continue
             case "usemtl":
-                material = materials.setdefault(rest, len(materials))
+                material = materials.setdefault(rest, len(materials)) if rest else -1
             case "o":
                 name, parts = tuple(_given_names("o", rest)), ()
             case _:
@@ -244,6 +247,19 @@ def _labels(lines: _Lines) -> tuple[Ints, Ints, tuple[tuple[str, ...], ...], lis
     row = np.searchsorted(np.array(marks), lines.faces[0]) - 1
     table = np.array(states, np.int64)[row].reshape(-1, 2)
     return table[:, 0], table[:, 1], tuple(groups), list(materials)
+
+
+def _normals(mesh: Mesh, normals: Floats, chosen: Ints) -> Floats | None:
+    """Normals of all corners (c, 3), the face's own for those without; None if all are without."""
+    if not len(chosen) or chosen.max() < 0:
+        return None
+    missing = chosen < 0
+    found = normals[chosen]
+    if missing.any():
+        own = face_normals(mesh)
+        own /= np.maximum(np.linalg.norm(own, axis=1, keepdims=True), 1e-300)
+        found[missing] = np.repeat(own, np.diff(mesh.offsets), axis=0)[missing]
+    return found
 
 
 def _uv(textures: Floats, chosen: Ints, material: Ints, shades: list[Shade]) -> Floats | None:

@@ -1,7 +1,8 @@
-"""From a drawing to the grammar that a person would have written: read, propose, score, simplify.
+"""From a drawing or a model to the grammar that a person would have written: read, propose, score,
+simplify.
 
 `infer` takes a file and gives an `Inference`: the syntax tree, the terminals' file, a report. The
-grammar has been derived and compared with the drawing when it is returned. Only `save` writes.
+grammar has been derived and compared with the file when it is returned. Only `save` writes.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import Source, fail
@@ -18,23 +19,27 @@ from ipmlang.compiler.format import format_grammar
 from ipmlang.compiler.parse import parse
 from ipmlang.compiler.tokens import count_text_tokens
 from ipmlang.formats import FormatError
-from ipmlang.formats.drawing import Drawing
-from ipmlang.inverse.options import Options, Weights, check_options
+from ipmlang.formats.mesh import SUFFIXES as MODELS
+from ipmlang.inverse.header import header
+from ipmlang.inverse.options import Options, Weights, check_model_options, check_options
 from ipmlang.inverse.report import Report
 
 if TYPE_CHECKING:
     from ipmlang.inverse.explanation import Explanation
+    from ipmlang.inverse.found import Found
 
 __all__ = ["Inference", "Report", "Weights", "infer"]
 
 Progress = Callable[[str], None]
-FARTHEST = 1e8  # times its size that a drawing may be away from the origin
+Up = Literal["auto", "y", "z"]
+DRAWINGS = (".svg", ".svgz")
+READS = {"lsystem": DRAWINGS, "split": MODELS}  # file suffixes by method
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Inference:
-    """A proven grammar. stem: the name its text uses for the parts file; parts: that file;
-    explanation: what won in each round, where that was asked for.
+    """A proven grammar. stem: the name its text uses for the parts file; parts: that file, of this
+    suffix; explanation: what won in each round, where that was asked for.
     """
 
     grammar: ast.Grammar
@@ -42,6 +47,7 @@ class Inference:
     report: Report
     stem: str
     explanation: Explanation | None = None
+    suffix: str = ".svg"
 
     @property
     def text(self) -> str:
@@ -49,7 +55,7 @@ class Inference:
         return format_grammar(self.grammar)
 
     def save(self, path: Path | str) -> None:
-        """Write `x.ipm` and `x.parts.svg` beside it, both or neither."""
+        """Write `x.ipm` and `x.parts.svg` (or .obj, .glb) beside it, both or neither."""
         from ipmlang.formats.atomic import write_files
 
         path = Path(path)
@@ -59,7 +65,7 @@ class Inference:
                 f"`{path.name}` cannot name its parts file",
                 hint='choose a name without ", \\ and #',
             )
-        beside = path.with_name(f"{path.stem}.parts.svg")
+        beside = path.with_name(f"{path.stem}.parts{self.suffix}")
         text = self._text_beside(path.stem)
         try:
             write_files({path: text.encode("utf-8"), beside: self.parts})
@@ -70,7 +76,8 @@ class Inference:
         """The text for `<stem>.parts.svg`, laid out anew: another name breaks lines elsewhere."""
         if stem == self.stem:
             return self.text
-        text = self.text.replace(f'"{self.stem}.parts.svg', f'"{stem}.parts.svg')
+        own, wanted = (f'"{each}.parts{self.suffix}' for each in (self.stem, stem))
+        text = self.text.replace(own, wanted)
         return format_grammar(parse(Source(f"{stem}.ipm", text))[0])
 
 
@@ -85,10 +92,12 @@ def infer(
     symmetrize: bool = False,
     paper: bool = False,
     explain: bool = False,
+    up: Up = "auto",
     progress: Progress | None = None,
 ) -> Inference:
-    """The grammar of a drawing. `flat`: one placement per element and no rules, the baseline. The
-    others are those of `Options`: by default the grammar is exact and the shortest one found.
+    """The grammar of a drawing or a model. `flat`: one placement per element and no rules, the
+    baseline; `up`: which axis is up in the file of a model. The others are those of `Options`: by
+    default the grammar is exact and the shortest one found.
 
     Raises IpmError for a file that cannot be read, for methods that are not there yet, and for
     options out of their range.
@@ -100,115 +109,58 @@ def infer(
     started = time.process_time()
     say = progress or (lambda _: None)
     say(f"reading {path.name}")
-    drawing = _read(path)
-    from ipmlang.inverse.regular import grammar_of
-
-    made = grammar_of(drawing, _stem(path), flat, say, options)
-    text = format_grammar(made.grammar)
+    found = _found(path, options, flat, up, say)
+    text = format_grammar(found.grammar)
     report = replace(
-        made.report,
-        tokens=count_text_tokens(text) + made.report.tokens,
+        found.report,
+        tokens=count_text_tokens(text) + found.report.tokens,
         grammar_bytes=len(text.encode("utf-8")),
-        parts_bytes=len(made.parts.encode("utf-8")),
-        source_bytes=drawing.source_bytes,
+        parts_bytes=len(found.parts),
         seconds=round(time.process_time() - started, 3),
-        notes=_notes(drawing),
     )
-    grammar = replace(made.grammar, header=_header(path, report, flat))
-    parts = made.parts.encode("utf-8")
-    return Inference(grammar, parts, report, _stem(path), made.explanation)
+    grammar = replace(found.grammar, header=header(path, report, flat))
+    return Inference(grammar, found.parts, report, _stem(path), found.explanation, found.suffix)
+
+
+def _found(path: Path, options: Options, flat: bool, up: Up, say: Progress) -> Found:
+    """What the method that reads such files finds."""
+    if path.suffix.lower() in DRAWINGS:
+        from ipmlang.inverse.drawings import grammar_of_drawing
+
+        if up != "auto":
+            raise fail("bad-command", "a drawing has no up axis", hint="--up is for models")
+        return grammar_of_drawing(path, _stem(path), flat, say, options)
+    from ipmlang.inverse.models import grammar_of_model
+
+    check_model_options(options)
+    return grammar_of_model(path, _stem(path), flat, up, say, options)
 
 
 def _check_method(path: Path, method: str) -> None:
-    known = ("auto", "lsystem", "split", "docking")
+    known = ("auto", *READS, "docking")
     if method not in known:
         raise fail("unknown-method", f"there is no method `{method}`", hint=", ".join(known))
-    if method in ("split", "docking"):
+    if method == "docking":
         raise fail(
             "unknown-method",
-            f"the method `{method}` is not there yet",
-            hint="`lsystem` reads drawings (.svg)",
+            "the method `docking` is not there yet",
+            hint="`lsystem` reads drawings (.svg), `split` reads models (.obj, .glb)",
         )
-    if path.suffix.lower() not in (".svg", ".svgz"):
+    suffix = path.suffix.lower()
+    if suffix not in (*DRAWINGS, *MODELS):
         raise fail(
             "not-a-drawing",
-            f"`{path.name or path}` is no drawing that can be read yet",
-            hint="grammars are inferred from .svg files",
+            f"`{path.name or path}` is no drawing or model that can be read",
+            hint=f"grammars are inferred from .svg files, and from {', '.join(MODELS)}",
+        )
+    if method != "auto" and suffix not in READS[method]:
+        other = "split" if method == "lsystem" else "lsystem"
+        raise fail(
+            "unknown-method",
+            f"the method `{method}` does not read {suffix} files",
+            hint=f"`{other}` does",
         )
 
 
 def _stem(path: Path) -> str:
     return path.stem.replace('"', "_").replace("\\", "_").replace("#", "_")
-
-
-def _read(path: Path) -> Drawing:
-    from ipmlang.formats.svg import read_svg, split_compound
-
-    try:
-        drawing = split_compound(read_svg(path))
-    except FormatError as error:
-        place = f"{path}:{error.line}" if error.line is not None else str(path)
-        said = str(path) in error.message
-        message = error.message if said else f"{place}: {error.message}"
-        raise fail("unreadable", message, hint=error.hint) from error
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise fail("unreadable", f"cannot read {path}: {reason}") from error
-    if drawing.box is not None and _is_far(drawing.box):
-        raise fail(
-            "unreadable",
-            f"{path}: the viewBox is so far from the origin that no number tells points apart",
-            hint="move the drawing nearer to the origin",
-        )
-    return drawing
-
-
-def _is_far(box: tuple[float, float, float, float]) -> bool:
-    x, y, width, height = box
-    return max(abs(x), abs(y)) > FARTHEST * max(width, height)
-
-
-def _notes(drawing: Drawing) -> tuple[str, ...]:
-    """What the reader says, and what is carried through without being understood."""
-    kinds: dict[str, int] = {}
-    for element in drawing.elements:
-        if element.fragment is not None:
-            kinds[element.fragment.kind] = kinds.get(element.fragment.kind, 0) + 1
-    said = [
-        note.message + (f" ({note.count} times)" if note.count > 1 else "")
-        for note in drawing.notes
-    ]
-    told = " ".join(said)
-    carried = [
-        f"<{kind}> is carried through as it is ({count} times)"
-        for kind, count in sorted(kinds.items())
-        if f"<{kind}>" not in told
-    ]
-    return tuple(dict.fromkeys(carried + said))
-
-
-def _header(path: Path, report: Report, flat: bool) -> tuple[ast.Comment, ...]:
-    """What was read, how much was explained, the largest error."""
-    lines = [f"Read from {path.name}: {report.elements} elements."]
-    if flat:
-        lines.append("One placement per element; nothing was looked for.")
-    else:
-        share = round(report.explained * report.elements)
-        rules = f"{report.rules} rule{'s' * (report.rules != 1)}"
-        explained = f"{rules} for {share} of them" if report.rules else "no rule pays"
-        lines.append(f"Found: {explained}; {report.tokens} tokens instead of {report.tokens_flat}.")
-    lines.append(_largest_error(report))
-    lines += [f"Note: {note}" for note in report.notes]
-    return tuple(ast.Comment(line.replace("\n", " ")) for line in lines)
-
-
-def _largest_error(report: Report) -> str:
-    """How exact the grammar is, and which rule is worst where it is not meant to be exact."""
-    line = f"Largest error: {report.max_error:.1e} of the diagonal"
-    if report.mode == "ideal":
-        line += ", similar shapes being one"
-    elif report.mode == "within":
-        line += f", {report.limit:.1e} being allowed"
-    if report.rule_errors:
-        line += f"; most of it in {report.rule_errors[0].rule}"
-    return line + "."

@@ -76,6 +76,20 @@ def check_options(options: Options) -> None:
         _check("`within`", options.within, LEAST_WITHIN, MOST_WITHIN, hint)
 
 
+def check_model_options(options: Options) -> None:
+    """Raise IpmError for what can be asked of drawings alone."""
+    asked = {
+        "the weights": not options.weights.neutral,
+        "`similarity`": options.similarity < 1,
+        "`symmetrize`": options.symmetrize,
+    }
+    for what, is_asked in asked.items():
+        if is_asked:
+            verb = "are" if what == "the weights" else "is"
+            hint = "`within` says how far the grammar of a model may be off"
+            raise fail("bad-command", f"{what} {verb} for drawings", hint=hint)
+
+
 def _check(what: str, value: float, low: float, high: float, hint: str) -> None:
     if math.isnan(value) or not low <= value <= high:
         message = f"{what} must be from {low:g} to {high:g}, not {value:g}"

@@ -9,21 +9,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ipmlang.formats.mesh_types import Mesh
+from ipmlang.formats.mesh_types import Mesh, face_normals
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 _SMOOTH = np.cos(np.radians(32.0))  # faces that meet at less are one rounded surface
 _CREASE = np.cos(np.radians(25.0))  # faces that meet at more have an edge between them
-
-
-def face_normals(mesh: Mesh) -> Floats:
-    """(f, 3) the direction each face looks in, as long as twice its area."""
-    points = mesh.vertices[mesh.corners]
-    count = np.diff(mesh.offsets)
-    points = points - points[np.repeat(mesh.offsets[:-1], count)]  # small numbers cancel less
-    return _sums(np.cross(points, points[_next_corner(mesh)]), mesh.offsets)
 
 
 def corner_normals(mesh: Mesh) -> Floats:

@@ -1,0 +1,171 @@
+"""From a model to the grammar that a person would have written: observe, search, print, prove.
+
+Takes a path; gives a grammar, its parts file and a report. What is found is derived and compared
+with the file before it is returned: where a rule or a rounding is at fault, more digits and plainer
+schemes are tried. Nothing is written.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal
+
+from ipmlang.compiler import ast
+from ipmlang.compiler.diagnostics import fail
+from ipmlang.compiler.format import format_grammar
+from ipmlang.compiler.tokens import count_text_tokens
+from ipmlang.formats import FormatError
+from ipmlang.formats.drawing import Note
+from ipmlang.formats.mesh_types import Mesh
+from ipmlang.formats.numbers import decimals_for
+from ipmlang.inverse.drawings import unreadable
+from ipmlang.inverse.found import Found
+from ipmlang.inverse.naming import capital, word
+from ipmlang.inverse.options import Options
+from ipmlang.inverse.parts.observation import Parts
+from ipmlang.inverse.report import Report, counted
+from ipmlang.inverse.split.comparison import Difference
+from ipmlang.inverse.split.explained import count_explained
+from ipmlang.inverse.split.flat import flat_scheme
+from ipmlang.inverse.split.parts_file import PartsFile, parts_name, write_parts
+from ipmlang.inverse.split.placing import Precision
+from ipmlang.inverse.split.printing import print_scheme
+from ipmlang.inverse.split.proof import prove
+from ipmlang.inverse.split.scheme import Scheme, Terminal
+
+LIMIT = 1e-6  # share of the diagonal that any corner may be off
+ALIKE = 0.7  # share of the limit that equal parts may differ by; the rest is for rounding
+ROUNDINGS = (0.15, 0.03, 0.0003)  # shares of the limit that a number may be rounded by, in turn
+Up = Literal["auto", "y", "z"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Goal:
+    """What is to be given back. limit: share of the diagonal that it may be off; axiom: a wish."""
+
+    parts: Parts
+    source: Mesh
+    limit: float
+    stem: str
+    axiom: str
+
+
+def grammar_of_model(
+    path: Path, stem: str, flat: bool, up: Up, say: Callable[[str], None], options: Options
+) -> Found:
+    """The shortest proven grammar of a model. IpmError where there is nothing to infer from."""
+    limit = LIMIT if options.within is None else max(options.within, LIMIT)
+    parts, source = observed(path, up, limit)
+    _check_parts(path, parts)
+    say(f"looking for rules among {len(parts.shape)} components")
+    plain = flat_scheme(parts)
+    goal = _Goal(parts, source, limit, stem, capital(word(path.stem)) or "Building")
+    tokens_flat = count_text_tokens(format_grammar(_written(goal, plain, ROUNDINGS[0], True)[0]))
+    say("comparing with the model")
+    for scheme, rounding in _attempts(plain if flat else _searched(parts, options), plain):
+        grammar, file = _written(goal, scheme, rounding, flat)
+        text = format_grammar(grammar)
+        difference = prove(source, text, file, stem, limit * parts.diagonal)
+        if difference.none:
+            report = _report(goal, scheme, difference, options)
+            report = replace(report, tokens_flat=tokens_flat)
+            return Found(grammar, file.content, file.suffix, report)
+    raise fail(
+        "not-proven",
+        f"no grammar was found that gives {path.name} back within {limit:g} of its diagonal",
+        hint="--within 1e-5 allows more",
+    )
+
+
+def _searched(parts: Parts, options: Options) -> Scheme:
+    return flat_scheme(parts)
+
+
+def _attempts(found: Scheme, plain: Scheme) -> Iterator[tuple[Scheme, float]]:
+    """What is tried in turn: more digits, then no rules."""
+    for scheme in (found, plain) if found is not plain else (plain,):
+        for rounding in ROUNDINGS:
+            yield scheme, rounding
+
+
+def observed(path: Path, up: Up, limit: float) -> tuple[Parts, Mesh]:
+    """The parts of a model, and all its faces as they were read, z up."""
+    from ipmlang.formats.mesh import read_meshes
+    from ipmlang.inverse.parts.observe import parts_of
+    from ipmlang.inverse.parts.soup import gathered
+    from ipmlang.inverse.parts.upward import upward
+
+    try:
+        scene = read_meshes(path)
+    except FormatError as error:
+        raise unreadable(path, error) from error
+    turned, guess = upward(path, scene, up)
+    soup = gathered(scene, turned, 1.0)
+    parts = parts_of(soup, ALIKE * limit, path.stem)
+    notes = (*scene.notes, *guess, *parts.notes)
+    axes: Literal["y-up", "z-up"] = "y-up" if turned else "z-up"
+    size = path.stat().st_size
+    return replace(parts, up=axes, source_bytes=size, notes=notes), soup.mesh
+
+
+def _check_parts(path: Path, parts: Parts) -> None:
+    """Refuse what has no components to tell apart: there is nothing that a split could say."""
+    if len(parts.shape) == 1:
+        raise fail(
+            "one-piece",
+            f"{path.name} is one connected piece of {counted(parts.triangles, 'triangle')}: there "
+            "are no components that a grammar could place",
+            hint="what repeats within a surface is found by docking, which is not there yet",
+        )
+
+
+def _written(
+    goal: _Goal, scheme: Scheme, rounding: float, one_by_one: bool
+) -> tuple[ast.Grammar, PartsFile]:
+    """The grammar of a scheme and the file of its terminals."""
+    parts, room = goal.parts, rounding * goal.limit
+    printed = print_scheme(scheme, goal.axiom, Precision(room * parts.diagonal), one_by_one)
+    terminals = {
+        name: parts.classes[symbol.part].mesh
+        for name, symbol in zip(printed.names, scheme.symbols, strict=True)
+        if isinstance(symbol, Terminal)
+    }
+    file = write_parts(terminals, decimals_for(parts.diagonal, 4 * room))
+    items: list[ast.Item] = [ast.Version(1)]
+    if parts.up == "y-up":
+        items.append(ast.Axes("y-up"))
+    items.append(ast.Asset(tuple(terminals), parts_name(goal.stem, file.suffix), True))
+    return ast.Grammar((*items, *printed.items)), file
+
+
+def _report(goal: _Goal, scheme: Scheme, difference: Difference, options: Options) -> Report:
+    """The report without what is counted in the text."""
+    parts, counts = goal.parts, count_explained(scheme, goal.parts)
+    return Report(
+        method="split",
+        elements=len(parts.shape),
+        explained=counts.explained,
+        rules=counts.rules,
+        rules_twice=counts.twice,
+        max_error=difference.error / parts.diagonal,
+        tokens=0,
+        tokens_flat=0,
+        source_bytes=parts.source_bytes,
+        grammar_bytes=0,
+        parts_bytes=0,
+        seconds=0.0,
+        notes=tuple(_told(note) for note in parts.notes),
+        mode="exact" if options.within is None else "within",
+        limit=goal.limit,
+        labels=len(parts.classes),
+        repeated=counts.repeated,
+        explained_repeated=counts.explained_repeated,
+        terminals=len({each.part for each in scheme.symbols if isinstance(each, Terminal)}),
+        triangles=parts.triangles,
+    )
+
+
+def _told(note: Note) -> str:
+    return note.message + (f" ({note.count} times)" if note.count > 1 else "")

@@ -1,0 +1,161 @@
+"""Whether two models are the same: every face of one where the other has one, nothing twice.
+
+Takes meshes in the world; gives how many faces are lost or new and how far points are apart. Faces
+are matched by their corners, whatever the order of the file; which way they wind does not count.
+Nothing is derived here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.formats.mesh_types import Mesh, triangulated
+from ipmlang.inverse.frames import Floats, Integers
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """lost: faces of the first model that the second has not; new: the other way round; error: how
+    far a corner is from where it was, in units.
+    """
+
+    lost: int
+    new: int
+    error: float
+
+    @property
+    def none(self) -> bool:
+        """Whether nothing is lost and nothing new."""
+        return self.lost == 0 and self.new == 0
+
+
+def compare_models(source: Mesh, derived: Mesh, limit: float) -> Difference:
+    """How `derived` differs from `source`; limit: units that a corner may be off. Faces without
+    area count on neither side; where one model has polygons and the other not, triangles are
+    compared.
+
+    >>> from ipmlang.formats.mesh_types import triangle_mesh
+    >>> one = triangle_mesh(np.eye(3), np.array([[0, 1, 2]]))
+    >>> two = triangle_mesh(np.eye(3) + 1e-7, np.array([[1, 2, 0], [0, 2, 1]]))
+    >>> found = compare_models(one, two, 1e-6)
+    >>> found.lost, found.new
+    (0, 1)
+    """
+    if _sizes(source) != _sizes(derived):
+        source, derived = _cut(source), _cut(derived)
+    places = np.unique(source.vertices[source.corners], axis=0)
+    label, error = _nearest(places, derived.vertices[derived.corners], limit)
+    if label is None:
+        return Difference(_count(source), _count(derived), float("inf"))
+    own, _ = _nearest(places, source.vertices[source.corners], limit)
+    assert own is not None
+    names = _material_numbers(source, derived)
+    first = _keys(source, own, names)
+    second = _keys(derived, label, names)
+    lost, new = _unmatched(first, second)
+    return Difference(lost, new, error)
+
+
+def _count(mesh: Mesh) -> int:
+    return len(mesh.offsets) - 1
+
+
+def _sizes(mesh: Mesh) -> tuple[int, ...]:
+    return tuple(np.bincount(np.diff(mesh.offsets)).tolist())
+
+
+def _cut(mesh: Mesh) -> Mesh:
+    """The mesh as triangles."""
+    corners, face = triangulated(mesh)
+    count = len(face)
+    return Mesh(
+        mesh.vertices,
+        mesh.corners[corners].reshape(-1),
+        np.arange(count + 1) * 3,
+        mesh.material[face],
+        mesh.group[face],
+        mesh.materials,
+        mesh.groups,
+    )
+
+
+def _nearest(places: Floats, points: Floats, limit: float) -> tuple[Integers | None, float]:
+    """The cluster of places (within `limit` of each other) that each point stands at, and how far
+    the farthest is from its place; None where one stands at none.
+    """
+    from scipy.spatial import cKDTree
+
+    if not len(places) or not len(points):
+        return (None if len(points) != len(places) else np.zeros(0, np.int64)), 0.0
+    unique, back = np.unique(points, axis=0, return_inverse=True)
+    tree = cKDTree(places)
+    told = tree.query(unique, distance_upper_bound=limit * (1 + 1e-9))
+    distance, index = np.asarray(told[0], np.float64), np.asarray(told[1], np.int64)
+    if not np.isfinite(distance).all():
+        return None, float("inf")
+    return _clusters(tree, limit)[index][back.reshape(-1)], float(distance.max())
+
+
+def _clusters(tree: object, limit: float) -> Integers:
+    """A label for each place, shared by those that are within `limit` of each other."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    assert isinstance(tree, cKDTree)
+    pairs = tree.query_pairs(limit, output_type="ndarray")
+    if not len(pairs):
+        return np.arange(tree.n, dtype=np.int64)
+    graph = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(tree.n, tree.n))
+    return np.asarray(connected_components(graph, directed=False)[1], np.int64)
+
+
+def _material_numbers(*meshes: Mesh) -> dict[str, int]:
+    """A number for every material by its name, 0 for none."""
+    names = dict.fromkeys(each.name for mesh in meshes for each in mesh.materials)
+    return {name: number + 1 for number, name in enumerate(names)}
+
+
+def _keys(mesh: Mesh, label: Integers, names: dict[str, int]) -> list[NDArray[np.int64]]:
+    """For every number of corners the faces (f, k + 1) with it: their corners in order from the
+    least, in the direction of the lesser neighbour, and their material. Those without area are
+    left out.
+    """
+    number = np.array([*(names[each.name] for each in mesh.materials), 0], np.int64)[mesh.material]
+    counts = np.diff(mesh.offsets)
+    found = []
+    for size in range(3, int(counts.max(initial=0)) + 1):
+        faces = np.flatnonzero(counts == size)
+        corners = label[mesh.offsets[faces][:, None] + np.arange(size)]
+        corners = _canonical(corners)
+        apart = (np.diff(np.sort(corners, axis=1), axis=1) != 0).sum(axis=1) >= 2
+        found.append(np.concatenate([corners, number[faces][:, None]], axis=1)[apart])
+    return found
+
+
+def _canonical(corners: Integers) -> Integers:
+    """Rows turned and perhaps reversed so that equal rings of numbers are equal rows."""
+    size = corners.shape[1]
+    begin = np.argmin(corners, axis=1)[:, None]
+    forth = np.take_along_axis(corners, (begin + np.arange(size)) % size, axis=1)
+    back = np.take_along_axis(corners, (begin - np.arange(size)) % size, axis=1)
+    return np.where((forth[:, 1] <= back[:, 1])[:, None], forth, back)
+
+
+def _unmatched(first: list[Integers], second: list[Integers]) -> tuple[int, int]:
+    """How many rows of the first have no partner in the second, and the other way round."""
+    lost = new = 0
+    for k in range(max(len(first), len(second))):
+        one = first[k] if k < len(first) else np.zeros((0, k + 4), np.int64)
+        two = second[k] if k < len(second) else np.zeros((0, k + 4), np.int64)
+        _, kind = np.unique(np.concatenate([one, two]), axis=0, return_inverse=True)
+        kind = kind.reshape(-1)
+        total = int(kind.max(initial=-1)) + 1
+        surplus = np.bincount(kind[: len(one)], minlength=total)
+        surplus = surplus - np.bincount(kind[len(one) :], minlength=total)
+        lost += int(surplus[surplus > 0].sum())
+        new -= int(surplus[surplus < 0].sum())
+    return lost, new

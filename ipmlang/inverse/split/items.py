@@ -1,0 +1,291 @@
+"""The items of a rule as elements of its body: copies, rows, grids, rings, splits, octants.
+
+Takes items of a scheme with names for what they place; gives syntax trees. Each item is printed in
+its shortest clear form; the text of tables that are needed goes to a list. Nothing here decides
+what a rule is made of.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import assert_never
+
+import numpy as np
+
+from ipmlang.compiler import ast
+from ipmlang.inverse.frames import (
+    Floats,
+    Frames,
+    compose,
+    from_matrices,
+    identity,
+    moved_to,
+)
+from ipmlang.inverse.naming import Names
+from ipmlang.inverse.numbers import shortest
+from ipmlang.inverse.split.placing import Precision, Spot, placed, spots, steps_to
+from ipmlang.inverse.split.scheme import Array, Item, Octant, Place, Ring, Scheme, Split, Terminal
+from ipmlang.inverse.split.tables import cheapest
+from ipmlang.inverse.split.wording import (
+    NOTHING,
+    Vector,
+    added,
+    all_nothing,
+    bracket,
+    call,
+    is_nothing,
+    times,
+)
+
+INDICES = ("i", "j", "k")
+
+
+@dataclass(slots=True, eq=False)
+class Wording:
+    """What all items are printed with. names: of the symbols; reach: how far each gets from its own
+    origin; sized: symbols that need a scope of their own size, with that size; counts: expressions
+    that stand for a count, by (rule, item, direction); one_by_one: no tables.
+    """
+
+    scheme: Scheme
+    names: Sequence[str]
+    precision: Precision
+    reach: Floats
+    sized: dict[int, Vector] = field(default_factory=dict)
+    counts: dict[tuple[int, int, int], ast.Expr] = field(default_factory=dict)
+    given: Names = field(default_factory=Names)
+    tables: list[ast.Table] = field(default_factory=list)
+    one_by_one: bool = False
+
+    def symbol(self, index: int) -> list[ast.Element]:
+        """The symbol where it is placed freely: with its own scope, if it needs one."""
+        size = self.sized.get(index)
+        own: list[ast.Element] = [] if size is None else [call("size", *size)]
+        return [*own, ast.Module(self.names[index])]
+
+    def count(self, key: tuple[int, int, int], count: int) -> ast.Expr:
+        """How many, as a number or an attribute."""
+        return self.counts.get(key, ast.Number(float(count)))
+
+
+def item_elements(wording: Wording, rule: int, number: int, item: Item) -> list[ast.Element]:
+    """The elements that draw an item of a rule."""
+    match item:
+        case Place():
+            return _place(wording, item)
+        case Array():
+            return [_array(wording, item, (rule, number))]
+        case Ring():
+            return [_ring(wording, item, (rule, number))]
+        case Split():
+            return [_split(wording, item, (rule, number))]
+        case Octant():
+            return [_octant(wording, item)]
+        case _:
+            assert_never(item)
+
+
+# ------------------------------------------------------------------------- copies
+
+
+def _place(wording: Wording, place: Place) -> list[ast.Element]:
+    found = spots(place.frames, wording.precision, float(wording.reach[place.symbol]))
+    if place.stretch is not None:
+        return [
+            placed(spot, _stretched(wording, place.symbol, size))
+            for spot, size in zip(found, place.stretch, strict=True)
+        ]
+    inner = wording.symbol(place.symbol)
+    if wording.one_by_one:
+        return [placed(spot, inner) for spot in found]
+    elements, tables = cheapest(found, inner, wording.names[place.symbol], wording.given)
+    wording.tables += tables
+    return elements
+
+
+def _stretched(wording: Wording, symbol: int, size: Floats) -> list[ast.Element]:
+    """A symbol in a scope of a size: a terminal is stretched to it."""
+    module = ast.Module(wording.names[symbol])
+    if isinstance(wording.scheme.symbols[symbol], Terminal):
+        module = call("insert", ast.Name(wording.names[symbol]))
+    return [call("size", *wording.precision.vector(size)), module]
+
+
+# --------------------------------------------------------------------- rows and grids
+
+
+def _array(wording: Wording, array: Array, key: tuple[int, int]) -> ast.Element:
+    spot = spots(array.first, wording.precision, float(wording.reach[array.symbol]))[0]
+    if array.holes and len(array.directions) > 1:
+        return _holed(wording, array, spot)
+    place, loops = spot.place, []
+    for axis, direction in enumerate(array.directions):
+        variable = INDICES[axis]
+        count = wording.count((*key, axis), direction.count)
+        if direction.steps:
+            rows = _offsets(wording, direction.steps, array.symbol)
+            along: ast.Expr = ast.Name(f"{variable}.at")
+            loops.append(ast.Repeat(ast.Rows(variable, rows), ()))
+        else:
+            along = ast.Name(variable)
+            loops.append(ast.Repeat(ast.Count(variable, count), ()))
+        place = added(place, _moved(wording, direction.step, along, direction.count))
+    element: ast.Element = placed(spot.at(place), wording.symbol(array.symbol))
+    holes = tuple(ast.Number(float(hole[0])) for hole in sorted(array.holes))
+    for loop in reversed(loops):
+        element = ast.Repeat(loop.head, (element,), holes)
+    return element
+
+
+def _moved(wording: Wording, step: Floats, along: ast.Expr, count: int) -> Vector:
+    """`step * along` in each axis."""
+    share = 1.0 / max(1, count - 1)
+    x, y, z = (times(each, along) for each in wording.precision.vector(step, share))
+    return (x, y, z)
+
+
+def _offsets(wording: Wording, steps: Sequence[float], symbol: int) -> str:
+    """The table of how far each member of an uneven row is along it."""
+    along = np.concatenate([[0.0], np.cumsum(steps)])
+    rows = tuple((wording.precision.number(float(each)),) for each in along)
+    name = wording.given.give(f"{wording.names[symbol]}_steps".lower())
+    wording.tables.append(ast.Table(name, columns=("at",), rows=rows))
+    return name
+
+
+def _holed(wording: Wording, array: Array, spot: Spot) -> ast.Element:
+    """A grid with holes, counted through: `repeat(i < 4 * 6) except (3) { … mod(i, 6) … }`."""
+    counts = [direction.count for direction in array.directions]
+    place, passed = spot.place, 1
+    for direction, count in zip(reversed(array.directions), reversed(counts), strict=True):
+        digit = _digit(passed, count, passed * count == math.prod(counts))
+        if direction.steps:
+            return bracket(_listed(wording, array))
+        place = added(place, _moved(wording, direction.step, digit, count))
+        passed *= count
+    holes = sorted(int(np.ravel_multi_index(hole, counts)) for hole in array.holes)
+    total = ast.Number(float(counts[0]))
+    limit: ast.Expr = total
+    for count in counts[1:]:
+        limit = ast.Binary("*", limit, ast.Number(float(count)))
+    inner = placed(spot.at(place), wording.symbol(array.symbol))
+    return ast.Repeat(
+        ast.Count("i", limit), (inner,), tuple(ast.Number(float(hole)) for hole in holes)
+    )
+
+
+def _listed(wording: Wording, array: Array) -> list[ast.Element]:
+    """An uneven grid with holes, place by place."""
+    from ipmlang.inverse.split.expansion import placements
+
+    symbol, frames = placements(array)[0]
+    return _place(wording, Place(symbol, frames))
+
+
+def _digit(passed: int, count: int, last: bool) -> ast.Expr:
+    """The digit of i whose unit is `passed`, below `count`."""
+    whole: ast.Expr = ast.Name("i")
+    if passed > 1:
+        share = ast.Binary("/", whole, ast.Number(float(passed)))
+        whole = ast.Call("floor", (ast.Argument(share),))
+    if last:
+        return whole
+    return ast.Call("mod", (ast.Argument(whole), ast.Argument(ast.Number(float(count)))))
+
+
+# ------------------------------------------------------------------------------ rings
+
+
+def _ring(wording: Wording, ring: Ring, key: tuple[int, int]) -> ast.Element:
+    """`[translate(center) rotate(to the axis) repeat(i < n) { [rotate(0, 0, a * i) first] }]`."""
+    upright = _upright(ring.axis)
+    to_axis = compose(moved_to(ring.center[None]), upright)
+    first = compose(_inverse(to_axis), ring.first)
+    reach = float(wording.reach[ring.symbol])
+    around = reach + float(np.linalg.norm(first.position))
+    outer = spots(to_axis, wording.precision, around * max(1.0, ring.growth**ring.count))[0]
+    inner = spots(first, wording.precision, reach)[0]
+    turning = _turning(wording, ring, key, around)
+    body = bracket([*turning, *_at_radius(inner), *wording.symbol(ring.symbol)])
+    holes = tuple(ast.Number(float(hole)) for hole in sorted(ring.holes))
+    count = wording.count((*key, 0), ring.count)
+    loop = ast.Repeat(ast.Count("i", count), (body,), holes)
+    return loop if outer.plain and all_nothing(outer.place) else placed(outer, [loop])
+
+
+def _at_radius(spot: Spot) -> list[ast.Element]:
+    return steps_to(spot)
+
+
+def _turning(
+    wording: Wording, ring: Ring, key: tuple[int, int], around: float
+) -> list[ast.Element]:
+    """What each member of a ring does before it is placed: turn, rise and grow."""
+    index = ast.Name("i")
+    share = 1.0 / max(1, ring.count - 1)
+    angle = shortest(ring.angle, wording.precision.degrees(around) * share)
+    steps: list[ast.Element] = []
+    rise = wording.precision.number(ring.rise, share)
+    if not is_nothing(rise):
+        steps.append(call("translate", NOTHING, NOTHING, times(rise, index)))
+    named = wording.counts.get((*key, 0))
+    if named is not None and abs(abs(ring.angle) * ring.count - 360) <= 1e-6:
+        full = ast.Number(math.copysign(360.0, ring.angle))
+        turn: ast.Expr = ast.Binary("*", ast.Binary("/", full, named), index)
+    else:
+        turn = times(ast.Number(angle), index)
+    steps.append(call("rotate", NOTHING, NOTHING, turn))
+    if ring.growth != 1:
+        growth = ast.Number(shortest(ring.growth, wording.precision.ratio(around) * share))
+        steps.append(call("*", ast.Call("pow", (ast.Argument(growth), ast.Argument(index)))))
+    return steps
+
+
+def _upright(axis: Floats) -> Frames:
+    """The shortest turn that takes z to the axis."""
+    from scipy.spatial.transform import Rotation
+
+    if axis[2] > 1 - 1e-12:
+        return identity()
+    side = np.cross([0.0, 0, 1], axis)
+    length = float(np.linalg.norm(side))
+    if length < 1e-9:
+        side, length = np.array([1.0, 0, 0]), 1.0
+    angle = math.atan2(float(np.linalg.norm(np.cross([0.0, 0, 1], axis))), float(axis[2]))
+    matrix = Rotation.from_rotvec(side / length * angle).as_matrix()
+    return from_matrices(np.concatenate([matrix, np.zeros((3, 1))], axis=1)[None])
+
+
+def _inverse(frames: Frames) -> Frames:
+    from ipmlang.inverse.frames import inverse
+
+    return inverse(frames)
+
+
+# ----------------------------------------------------------------- splits and octants
+
+
+def _split(wording: Wording, split: Split, key: tuple[int, int]) -> ast.Element:
+    """`split x { 1: Wall | { ~2: Bay }* | 1: Wall }`."""
+    parts: list[ast.SplitPart | ast.SplitGroup] = []
+    for cell in split.cells:
+        length = wording.precision.number(cell.length)
+        size = ast.Size("floating" if cell.elastic else "absolute", length)
+        name = "nil" if cell.symbol is None else wording.names[cell.symbol]
+        part = ast.SplitPart(size, (ast.Module(name),))
+        parts.append(ast.SplitGroup((part,), "*") if cell.count > 1 else part)
+    return ast.Split("xyz"[split.axis], tuple(parts))
+
+
+def _octant(wording: Wording, octant: Octant) -> ast.Element:
+    """`[octant(x, y, z, q) subdivide(nx, ny, nz) translate(…) Symbol]`."""
+    body: list[ast.Element] = [
+        call("octant", *wording.precision.vector(cut.point), ast.Number(float(cut.octant)))
+        for cut in octant.cuts
+    ]
+    if max(octant.counts) > 1:
+        body.append(call("subdivide", *(ast.Number(float(count)) for count in octant.counts)))
+    inner = spots(octant.inner, wording.precision, float(wording.reach[octant.symbol]))[0]
+    return bracket([*body, *steps_to(inner), *wording.symbol(octant.symbol)])

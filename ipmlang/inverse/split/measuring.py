@@ -1,0 +1,67 @@
+"""Sizes that printing asks for: how far symbols reach, and which need a scope of their own size.
+
+Takes a scheme; gives columns over its symbols. Nothing is rounded or printed here.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ipmlang.inverse.frames import Floats, spread
+from ipmlang.inverse.split.expansion import placements
+from ipmlang.inverse.split.scheme import Octant, Place, Rule, Scheme, Split, Terminal
+
+_CORNERS = np.array([[k & 1, k >> 1 & 1, k >> 2] for k in range(8)], np.float64)
+
+
+def reaches(scheme: Scheme) -> Floats:
+    """(n,) how far what each symbol draws gets from its origin, at most."""
+    boxes = extents(scheme)
+    return np.asarray(np.linalg.norm(np.maximum(-boxes[:, 0], boxes[:, 1]), axis=1))
+
+
+def extents(scheme: Scheme) -> Floats:
+    """(n, 2, 3) a box around what each symbol draws, in its own coordinates."""
+    boxes = np.zeros((len(scheme.symbols), 2, 3))
+    for number, symbol in enumerate(scheme.symbols):
+        boxes[number, 1] = symbol.size
+        if isinstance(symbol, Rule):
+            boxes[number] = _extent(symbol, boxes)
+    return boxes
+
+
+def _extent(rule: Rule, boxes: Floats) -> Floats:
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for item in rule.items:
+        for symbol, frames in placements(item):
+            if len(frames):
+                inner, outer = boxes[symbol]
+                corners = spread(frames, inner + _CORNERS * (outer - inner)).reshape(-1, 3)
+                low = np.minimum(low, corners.min(axis=0))
+                high = np.maximum(high, corners.max(axis=0))
+    if not np.isfinite(low).all():
+        low, high = np.zeros(3), np.asarray(rule.size, np.float64)
+    return np.stack([low, high])
+
+
+def needing_size(scheme: Scheme, small: float) -> dict[int, Floats]:
+    """Symbols whose scope has to be as large as they say wherever they are placed freely: what is
+    split, or cut by octants. The axiom stands in a box of its size.
+    """
+    found: dict[int, Floats] = {}
+    for number, symbol in enumerate(scheme.symbols):
+        if isinstance(symbol, Terminal) or number == scheme.axiom:
+            continue
+        if any(isinstance(item, Split | Octant) for item in symbol.items):
+            found[number] = symbol.size
+    return found if small >= 0 else {}
+
+
+def is_stretched(scheme: Scheme) -> bool:
+    """Whether some symbol is stretched where it is placed."""
+    rules = (symbol for symbol in scheme.symbols if isinstance(symbol, Rule))
+    return any(
+        isinstance(item, Place) and item.stretch is not None
+        for rule in rules
+        for item in rule.items
+    )

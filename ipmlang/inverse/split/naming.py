@@ -1,0 +1,89 @@
+"""What a person would call the symbols of a scheme: by what they draw and how it stands.
+
+Rules that bring a name keep it; others are called by their main part and its arrangement (TowerRow,
+WindowGrid, Pair). Takes a scheme; gives a name for each symbol, none twice. Nothing is printed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ipmlang.inverse.frames import Floats
+from ipmlang.inverse.naming import LONGEST, Names, capital
+from ipmlang.inverse.split.expansion import placements
+from ipmlang.inverse.split.scheme import (
+    Array,
+    Item,
+    Octant,
+    Place,
+    Ring,
+    Rule,
+    Scheme,
+    Split,
+    Terminal,
+)
+
+UPWARD = 0.7  # share of a step that has to be up for a column
+
+
+def symbol_names(scheme: Scheme, axiom: str, names: Names) -> tuple[str, ...]:
+    """A name for every symbol; axiom: the wish for the last one."""
+    wishes: list[str] = []
+    for number, symbol in enumerate(scheme.symbols):
+        if isinstance(symbol, Terminal):
+            wishes.append(symbol.name)
+        elif number == scheme.axiom:
+            wishes.append(axiom)
+        else:
+            wishes.append(symbol.name or rule_wish(scheme, symbol, wishes))
+    given: dict[int, str] = {}
+    for number in _order(scheme):
+        given[number] = names.give(wishes[number])
+    return tuple(given[number] for number in range(len(wishes)))
+
+
+def _order(scheme: Scheme) -> list[int]:
+    """The axiom first, so that it gets its name; then the terminals, whose names are ids."""
+    terminals = [k for k, each in enumerate(scheme.symbols) if isinstance(each, Terminal)]
+    rules = [k for k, each in enumerate(scheme.symbols) if isinstance(each, Rule)]
+    return [*terminals, *reversed(rules)]
+
+
+def rule_wish(scheme: Scheme, rule: Rule, named: Sequence[str]) -> str:
+    """A name for a rule that brings none, from the names of what it places."""
+    drawn = [(symbol, len(frames)) for item in rule.items for symbol, frames in placements(item)]
+    main = max(drawn, key=lambda each: _bulk(scheme, each[0]) * each[1])[0] if drawn else -1
+    stem = capital(named[main]) if main >= 0 else "Empty"
+    kind = _arrangement(rule.items, drawn)
+    return stem + kind if len(stem + kind) <= LONGEST else kind
+
+
+def _bulk(scheme: Scheme, symbol: int) -> float:
+    """How much of the eye a symbol takes: the two longer sides of its box."""
+    sides = np.sort(scheme.symbols[symbol].size)
+    return float(sides[1] * sides[2])
+
+
+def _arrangement(items: Sequence[Item], drawn: Sequence[tuple[int, int]]) -> str:
+    if len(items) == 1:
+        match items[0]:
+            case Array(directions=directions):
+                return _array_word([direction.step for direction in directions])
+            case Ring(rise=rise, growth=growth):
+                return "Ring" if rise == 0 and growth == 1 else "Spiral"
+            case Split(axis=axis):
+                return ("Bays", "Layers", "Storeys")[axis]
+            case Octant():
+                return "Part"
+            case Place(frames=frames):
+                return "Pair" if len(frames) == 2 else "Set"
+    return "Pair" if sum(count for _, count in drawn) == 2 else "Group"
+
+
+def _array_word(steps: Sequence[Floats]) -> str:
+    if len(steps) > 1:
+        return "Grid" if len(steps) == 2 else "Block"
+    length = float(np.linalg.norm(steps[0]))
+    return "Column" if abs(float(steps[0][2])) > UPWARD * length else "Row"

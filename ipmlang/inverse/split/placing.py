@@ -1,0 +1,136 @@
+"""Placements as elements of a body: `[translate(1, 0, 2) rotate(0, 0, 90) [mirror tower]]`.
+
+Frames come in with the room for error that there is; numbers are rounded to what a person would
+write and turned into angles, and what says nothing is left out. Tables and repeats are made
+elsewhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ipmlang.compiler import ast
+from ipmlang.inverse.frames import Floats, Frames
+from ipmlang.inverse.numbers import shortest
+from ipmlang.inverse.split.wording import NOTHING, Vector, all_nothing, bracket, call
+
+WHOLE = 1e-9  # degrees or shares that are nothing
+FINEST = 1e-9  # degrees that no angle is rounded further than
+
+
+@dataclass(frozen=True, slots=True)
+class Precision:
+    """length: units that a printed length may be off."""
+
+    length: float
+
+    def number(self, value: float, share: float = 1.0) -> ast.Number:
+        """A length; `share` of the room for one that is multiplied."""
+        return ast.Number(shortest(float(value), self.length * share))
+
+    def vector(self, values: Floats | Sequence[float], share: float = 1.0) -> Vector:
+        """Three lengths."""
+        x, y, z = (self.number(float(value), share) for value in values)
+        return (x, y, z)
+
+    def degrees(self, reach: float) -> float:
+        """Degrees that an angle may be off where what is turned reaches so far."""
+        return float(np.degrees(self.length / max(reach, self.length)))
+
+    def ratio(self, reach: float) -> float:
+        """What a factor may be off."""
+        return self.length / max(reach, self.length)
+
+
+@dataclass(frozen=True, slots=True)
+class Spot:
+    """A frame as it is printed: a place, angles about x, y and z, a mirror, a factor."""
+
+    place: Vector
+    turn: Vector = (NOTHING, NOTHING, NOTHING)
+    mirrored: bool = False
+    scale: ast.Expr | None = None
+
+    def at(self, place: Vector) -> Spot:
+        """The same elsewhere."""
+        return replace(self, place=place)
+
+    @property
+    def plain(self) -> bool:
+        """Whether it is a translation at most."""
+        return all_nothing(self.turn) and not self.mirrored and self.scale is None
+
+
+def spots(frames: Frames, precision: Precision, reach: float) -> list[Spot]:
+    """A spot for every frame; reach: how far what is placed gets from its own origin."""
+    angles = euler_angles(frames.rotation)
+    error = precision.degrees(reach)
+    found = []
+    for row in range(len(frames)):
+        a, b, c = (ast.Number(shortest(float(angle), error)) for angle in angles[row])
+        scale = shortest(float(frames.scale[row]), precision.ratio(reach))
+        found.append(
+            Spot(
+                precision.vector(frames.position[row]),
+                (a, b, c),
+                bool(frames.hand[row] < 0),
+                None if scale == 1 else ast.Number(scale),
+            )
+        )
+    return found
+
+
+def euler_angles(rotation: Floats) -> Floats:
+    """(n, 3) degrees about own x, then y, then z for quaternions (n, 4): of the two ways to say a
+    turn the one with more zeros.
+    """
+    from scipy.spatial.transform import Rotation
+
+    if not len(rotation):
+        return np.zeros((0, 3))
+    with np.errstate(all="ignore"):
+        first = _three_angles(Rotation.from_quat(rotation[:, [1, 2, 3, 0]]).as_matrix())
+    second = np.stack([first[:, 0] + 180, 180 - first[:, 1], first[:, 2] + 180], axis=1)
+    first, second = _settled(first), _settled(second)
+    chosen = np.count_nonzero(second, axis=1) < np.count_nonzero(first, axis=1)
+    return np.where(chosen[:, None], second, first)
+
+
+def _three_angles(matrix: Floats) -> Floats:
+    """Angles a, b, c of Rx(a) Ry(b) Rz(c); where b is 90 degrees, a is 0."""
+    sine = np.clip(matrix[:, 0, 2], -1.0, 1.0)
+    locked = np.abs(sine) > 1 - 1e-14
+    a = np.arctan2(-matrix[:, 1, 2], matrix[:, 2, 2])
+    b = np.arctan2(sine, np.hypot(matrix[:, 0, 0], matrix[:, 0, 1]))
+    c = np.arctan2(-matrix[:, 0, 1], matrix[:, 0, 0])
+    c = np.where(locked, np.arctan2(matrix[:, 1, 0], matrix[:, 1, 1]), c)
+    return np.asarray(np.degrees(np.stack([np.where(locked, 0.0, a), b, c], axis=1)))
+
+
+def _settled(angles: Floats) -> Floats:
+    """Angles in (-180, 180], almost nothing being nothing."""
+    wrapped: Floats = -(np.mod(-angles + 180.0, 360.0) - 180.0)
+    wrapped = np.where(np.abs(wrapped + 180.0) < WHOLE, 180.0, wrapped)
+    return np.asarray(np.where(np.abs(wrapped) < WHOLE, 0.0, wrapped) + 0.0)
+
+
+def placed(spot: Spot, inner: Sequence[ast.Element]) -> ast.Element:
+    """What is inner, at a spot: in a bracket where anything has to be said."""
+    return bracket([*steps_to(spot), *inner])
+
+
+def steps_to(spot: Spot) -> list[ast.Element]:
+    """The operations that lead to a spot."""
+    steps: list[ast.Element] = []
+    if not all_nothing(spot.place):
+        steps.append(call("translate", *spot.place))
+    if not all_nothing(spot.turn):
+        steps.append(call("rotate", *spot.turn))
+    if spot.scale is not None:
+        steps.append(call("*", spot.scale))
+    if spot.mirrored:
+        steps.append(ast.Module("mirror"))
+    return steps

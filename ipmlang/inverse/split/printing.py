@@ -1,0 +1,113 @@
+"""A scheme as a grammar: what `ipmlang infer` prints for buildings.
+
+In goes a scheme, out come items of a syntax tree: tables, rules from the axiom down, the start.
+Names and numbers are a person's; the formatter alone makes text of them. Nothing is searched here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ipmlang.compiler import ast
+from ipmlang.inverse.frames import Frames
+from ipmlang.inverse.naming import Names
+from ipmlang.inverse.split.expansion import placements
+from ipmlang.inverse.split.items import Wording, item_elements
+from ipmlang.inverse.split.measuring import needing_size, reaches
+from ipmlang.inverse.split.naming import symbol_names
+from ipmlang.inverse.split.placing import Precision, spots, steps_to
+from ipmlang.inverse.split.scheme import Rule, Scheme, Split, Terminal
+from ipmlang.inverse.split.wording import bracket
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Printed:
+    """items: of the grammar but its version, assets and axes; names: of the symbols."""
+
+    items: tuple[ast.Item, ...]
+    names: tuple[str, ...]
+
+
+def print_scheme(
+    scheme: Scheme, axiom: str, precision: Precision, one_by_one: bool = False
+) -> Printed:
+    """The grammar of a scheme; axiom: what the whole is called, as a wish; one_by_one: without
+    tables, every placement written out.
+    """
+    given = Names()
+    names = symbol_names(scheme, axiom, given)
+    wording = make_wording(scheme, names, precision, given)
+    wording.one_by_one = one_by_one
+    rules = [_rule(wording, number) for number in top_down(scheme)]
+    items: list[ast.Item] = [*wording.tables]
+    items += [_spaced(rule, first=k == 0) for k, rule in enumerate(rules)]
+    items.append(_start(wording))
+    return Printed(tuple(items), names)
+
+
+def make_wording(
+    scheme: Scheme, names: Sequence[str], precision: Precision, given: Names
+) -> Wording:
+    """What the rules of a scheme are printed with."""
+    wording = Wording(scheme, names, precision, reaches(scheme), given=given)
+    for number, size in needing_size(scheme, precision.length).items():
+        wording.sized[number] = precision.vector(size)
+    return wording
+
+
+def rule_body(wording: Wording, number: int) -> tuple[ast.Element, ...]:
+    """The successor of a rule of the scheme: the shapes that follow each other in it."""
+    rule = wording.scheme.symbols[number]
+    assert isinstance(rule, Rule)
+    body: list[ast.Element] = []
+    for k, item in enumerate(rule.items):
+        elements = item_elements(wording, number, k, item)
+        if isinstance(item, Split) and k < len(rule.items) - 1:
+            elements = [bracket(elements)]
+        body += elements
+    return tuple(body) or (ast.Module("nil"),)
+
+
+def _rule(wording: Wording, number: int) -> ast.Rule:
+    rule = wording.scheme.symbols[number]
+    assert isinstance(rule, Rule)
+    body = rule_body(wording, number)
+    if number == wording.scheme.axiom:
+        body = (*_frame(wording, wording.scheme.frame), *body)
+    return ast.Rule(ast.Head(wording.names[number]), body, doc=rule.note or None)
+
+
+def _frame(wording: Wording, frame: Frames) -> list[ast.Element]:
+    """What leads to the axiom's coordinates."""
+    reach = float(wording.reach[wording.scheme.axiom])
+    return steps_to(spots(frame, wording.precision, reach)[0])
+
+
+def top_down(scheme: Scheme) -> list[int]:
+    """The rules as people write them: each where it is first named, the axiom first."""
+    found: dict[int, None] = {}
+    waiting = [scheme.axiom]
+    while waiting:
+        number = waiting.pop()
+        symbol = scheme.symbols[number]
+        if number in found or isinstance(symbol, Terminal):
+            continue
+        found[number] = None
+        named = [each for item in symbol.items for each, _ in placements(item)]
+        waiting += reversed(list(dict.fromkeys(named)))
+    return list(found)
+
+
+def _spaced(rule: ast.Rule, first: bool) -> ast.Rule:
+    return replace(rule, blank_before=first or rule.doc is not None)
+
+
+def _start(wording: Wording) -> ast.Start:
+    """`start Castle on box(4, 5, 6)`."""
+    size = np.maximum(wording.scheme.symbols[wording.scheme.axiom].size, 0.0)
+    place = ast.Place("box", wording.precision.vector(size))
+    name = wording.names[wording.scheme.axiom]
+    return ast.Start((ast.Module(name),), place, blank_before=True)
