@@ -19,7 +19,7 @@ import click
 
 from ipmlang import options
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail
-from ipmlang.edit_commands import edit
+from ipmlang.edit_building_commands import edit
 from ipmlang.infer_command import infer_file
 from ipmlang.render_command import render_file
 from ipmlang.telling import findings_record, report_lines, show, working

@@ -1,0 +1,273 @@
+"""A resize by the grammar's own parameters: the number that decides how large a shape is.
+
+In go a tree, the shapes meant and the size that they shall have; out comes the draft with one
+number changed, or nothing where no single number does it. The lot, attributes, constants and the
+lengths in the rules above the shape are tried, in this order; each by deriving with it. What came
+apart by that is no solution.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from ipmlang.compiler import ast
+from ipmlang.compiler.diagnostics import IpmError
+from ipmlang.compiler.format import format_expression
+from ipmlang.edit.arithmetic import literal, number_of
+from ipmlang.edit.buildings.forms import Forms
+from ipmlang.edit.buildings.soundness import came_apart, extents, runs_into
+from ipmlang.edit.buildings.tree import Tree, grown
+from ipmlang.edit.buildings.units import tolerance
+from ipmlang.edit.draft import Change, Draft, with_items, with_parameters
+from ipmlang.edit.places import Place, places
+from ipmlang.inverse.frames import Floats
+
+Key = tuple[Literal["shape", "terminal"], int]
+STEPS = 6  # of the secant
+TRIALS = 40  # parameters that are looked at, at most
+RATHER = 4.0  # times more than the size that a number may change
+LEAST = 0.02  # of its size that everything keeps
+FIT = 1e-9  # of the size, that a solution may be off
+TRY = 1.07  # times a number, to see what it does
+
+
+@dataclass(frozen=True, slots=True)
+class Knob:
+    """A number of the grammar. where: as a person reads it; value: now; put: the draft with another
+    one; whole: it counts something.
+    """
+
+    where: str
+    value: float
+    put: Callable[[float], Draft]
+    whole: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Aim:
+    """What a resize wants. keys: the shapes that get the size; others: those of the same symbol
+    that keep theirs.
+    """
+
+    keys: Sequence[Key]
+    others: Sequence[Key]
+    size: Floats
+    along: Sequence[int]
+
+
+def driven(tree: Tree, aim: Aim) -> Draft | None:
+    """The draft in which shapes have the size wanted, by one parameter for each axis; None if there
+    is none.
+    """
+    for axis in aim.along:
+        found = _one(tree, aim, axis)
+        if found is None:
+            return None
+        tree = found
+    return tree.draft
+
+
+def _one(tree: Tree, aim: Aim, axis: int) -> Tree | None:
+    for number, knob in enumerate(_knobs(tree, aim.keys[0])):
+        if number >= TRIALS:
+            return None
+        found = _solved(tree, aim.keys[0], axis, float(aim.size[axis]), knob)
+        if found is not None and _is_meant(tree, found, aim, axis):
+            return found
+    return None
+
+
+def _is_meant(before: Tree, after: Tree, aim: Aim, axis: int) -> bool:
+    """Whether what was selected has its size, and nothing else of its kind, nothing vanished, and
+    what touched still does.
+    """
+    wanted = float(aim.size[axis])
+    for key in aim.keys:
+        size = size_of(after, key, axis)
+        if size is not None and abs(size - wanted) > FIT * max(wanted, 1.0):
+            return False
+    for key in aim.others:
+        size, own = size_of(after, key, axis), size_of(before, key, axis)
+        if size is not None and own is not None and abs(size - own) > FIT * max(own, 1.0):
+            return False
+    near = tolerance(before)
+    if _vanished(before, after) or runs_into(before, after, near):
+        return False
+    return not came_apart(before, after, near)
+
+
+def _vanished(before: Tree, after: Tree) -> bool:
+    """Whether anything that is in both has almost no size left where it had one."""
+    one, other = before.scene.instances.key, after.scene.instances.key
+    _, mine, theirs = np.intersect1d(one, other, return_indices=True)
+    first, last = extents(before)[mine], extents(after)[theirs]
+    return bool(((first > 0) & (last < LEAST * first)).any())
+
+
+def _solved(tree: Tree, key: Key, axis: int, aim: float, knob: Knob) -> Tree | None:
+    """The tree with a number such that the size is right, by secants."""
+    now = size_of(tree, key, axis)
+    assert now is not None
+    x, y = knob.value, now
+    guess = x + 1 if knob.whole else (x * TRY if x else 0.1)
+    if not knob.whole and math.isclose(x, y, rel_tol=1e-9):
+        guess = aim  # the number is the size
+    far = RATHER * max(aim / y, y / aim) if y > 0 else RATHER
+    for _ in range(STEPS):
+        if x and not 1 / far <= abs(guess / knob.value) <= far:
+            return None
+        made = _tried(knob, guess)
+        size = None if made is None else size_of(made, key, axis)
+        if made is None or size is None:
+            return None
+        if abs(size - aim) <= FIT * max(aim, 1.0):
+            return made
+        if abs(size - y) <= 1e-12 * max(aim, 1.0):
+            return None
+        following = guess + (aim - size) * (guess - x) / (size - y)
+        if knob.whole:
+            following = float(round(following))
+        if following == guess or not math.isfinite(following):
+            return None
+        x, y, guess = guess, size, following
+    return None
+
+
+def _tried(knob: Knob, value: float) -> Tree | None:
+    try:
+        return grown(knob.put(value))
+    except IpmError:
+        return None
+
+
+def size_of(tree: Tree, key: Key, axis: int) -> float | None:
+    """How large the shape of a key is along its own axis; None if it is not there."""
+    kind, own = key
+    keys = tree.lineage.key if kind == "shape" else tree.scene.instances.key
+    rows = np.flatnonzero(keys == np.uint64(own))
+    if not len(rows) or (kind == "shape" and tree.first[rows[0]] >= len(tree.owner)):
+        return None
+    return float(Forms(tree).extent((kind, int(rows[0])))[axis])
+
+
+# ---------------------------------------------------------------------------- parameters
+
+
+def _knobs(tree: Tree, key: Key) -> Iterator[Knob]:
+    """The numbers that may decide: the lot, attributes and constants, rules from the shape up."""
+    draft = tree.draft
+    for number, item in enumerate(draft.grammar.items):
+        if isinstance(item, ast.Start) and item.place is not None:
+            yield from _lot(draft, number, item)
+    for number, item in enumerate(draft.grammar.items):
+        if isinstance(item, ast.Attr) and item.type in ("int", "float", None):
+            value = number_of(item.default)
+            if value is not None:
+                yield _named(draft, number, item, value, item.type == "int")
+        elif isinstance(item, ast.Const) and number_of(item.value) is not None:
+            yield _constant(draft, number, item, float(number_of(item.value) or 0.0))
+    yield from _lengths(tree, key)
+
+
+def _lot(draft: Draft, number: int, start: ast.Start) -> Iterator[Knob]:
+    """The extents of the box, or of the polygon along x and y."""
+    place = start.place
+    assert place is not None
+    if place.kind == "box":
+        for k, expr in enumerate(place.args):
+            value = number_of(expr)
+            if value:
+                yield _lot_knob(draft, number, start, (k,), f"the lot's {'xyz'[k]}", value)
+    elif place.kind == "polygon":
+        corners = [each for each in place.args if isinstance(each, ast.Tuple)]
+        for axis in (0, 1):
+            values = [number_of(each.items[axis]) for each in corners]
+            known = [value for value in values if value is not None]
+            if known and len(known) == len(values) and max(known) > min(known):
+                yield _polygon_knob(draft, number, start, axis, max(known) - min(known))
+
+
+def _lot_knob(
+    draft: Draft, number: int, start: ast.Start, at: tuple[int, ...], where: str, value: float
+) -> Knob:
+    def put(new: float) -> Draft:
+        place = start.place
+        assert place is not None
+        args = tuple(literal(new) if k in at else each for k, each in enumerate(place.args))
+        change = Change(where, f"{value:g}", f"{literal(new).value:g}")
+        item = replace(start, place=replace(place, args=args))
+        return with_items(draft, {number: item}, [change])
+
+    return Knob(where, value, put)
+
+
+def _polygon_knob(draft: Draft, number: int, start: ast.Start, axis: int, value: float) -> Knob:
+    where = f"the lot along {'xy'[axis]}"
+
+    def put(new: float) -> Draft:
+        place = start.place
+        assert place is not None
+        args = tuple(_scaled(each, axis, new / value) for each in place.args)
+        change = Change(where, f"{value:g}", f"{literal(new).value:g}")
+        item = replace(start, place=replace(place, args=args))
+        return with_items(draft, {number: item}, [change])
+
+    return Knob(where, value, put)
+
+
+def _scaled(corner: ast.Expr, axis: int, factor: float) -> ast.Expr:
+    assert isinstance(corner, ast.Tuple)
+    items = tuple(
+        literal((number_of(each) or 0.0) * factor) if k == axis else each
+        for k, each in enumerate(corner.items)
+    )
+    return replace(corner, items=items)
+
+
+def _named(draft: Draft, number: int, item: ast.Attr, value: float, whole: bool) -> Knob:
+    def put(new: float) -> Draft:
+        made = literal(new)
+        change = Change(item.name, format_expression(item.default), format_expression(made))
+        return with_items(draft, {number: replace(item, default=made)}, [change])
+
+    return Knob(item.name, value, put, whole)
+
+
+def _constant(draft: Draft, number: int, item: ast.Const, value: float) -> Knob:
+    def put(new: float) -> Draft:
+        made = literal(new)
+        change = Change(item.name, format_expression(item.value), format_expression(made))
+        return with_items(draft, {number: replace(item, value=made)}, [change])
+
+    return Knob(item.name, value, put)
+
+
+def _lengths(tree: Tree, key: Key) -> Iterator[Knob]:
+    """The lengths in the rules above a shape, its own last."""
+    kind, own = key
+    keys = tree.lineage.key if kind == "shape" else tree.scene.instances.key
+    row = int(np.flatnonzero(keys == np.uint64(own))[0])
+    above = tree.above(int(tree.owner[row]) if kind == "terminal" else row)
+    rules = dict.fromkeys(tree.names[each] for each in above)
+    numbered = list(enumerate(places(tree.draft.grammar)))
+    for rule in rules:
+        for number, (place, expr) in numbered:
+            value = number_of(expr)
+            if place.rule == rule and value is not None and value > 0 and _is_length(place):
+                yield _length(tree.draft, number, (place, expr), value)
+
+
+def _is_length(place: Place) -> bool:
+    return place.kind == "length" or place.operation in ("size", "extrude", "translate", "offset")
+
+
+def _length(draft: Draft, number: int, found: tuple[Place, ast.Expr], value: float) -> Knob:
+    def put(new: float) -> Draft:
+        return with_parameters(draft, {number: found}, {number: literal(new)})
+
+    return Knob(f"{found[0].rule}: {found[0].operation}", value, put)

@@ -1,0 +1,339 @@
+"""Shapes and terminals as elements of a body: as they are, or in a scope of any size.
+
+In goes a derivation tree, out come elements that draw a part of it again in a frame given by
+whoever asks. Shapes that fill their scope are given another one; what has fixed places inside gets
+a rule of its own whose places are shares of the scope, as nodes are in the paper. Nothing is
+decided here about where anything goes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from ipmlang.compiler import ast, ir
+from ipmlang.compiler.diagnostics import IpmError, fail
+from ipmlang.edit.arithmetic import literal
+from ipmlang.edit.buildings.tree import Tree
+from ipmlang.edit.symbols import Elements, taken_names
+from ipmlang.inverse.frames import Floats, Frames, compose, inverse, linear
+from ipmlang.inverse.split.placing import Precision, spots, steps_to
+from ipmlang.inverse.split.wording import all_nothing, bracket, call, times
+from ipmlang.runtime.scene import SCOPE
+
+Unit: TypeAlias = tuple[Literal["shape", "terminal"], int]
+Vector: TypeAlias = tuple[ast.Expr, ast.Expr, ast.Expr]
+NOTHING, BOX = 0, 1  # geometries: none, and the whole scope
+TEXTS = ("color", "fill", "stroke", "css", "material", "texture", "label")
+BOUND = ("uv", "join", "effect")  # of the state: what cannot be said apart from where it was made
+EXTENTS: Vector = (ast.Name("scope.sx"), ast.Name("scope.sy"), ast.Name("scope.sz"))
+EXACT = Precision(0.0)
+FEW = 1e-9  # of a size that is nothing
+
+
+@dataclass(slots=True, eq=False)
+class Forms:
+    """The forms of one tree; rules: those that were made for them, by name; taken: names that are
+    not free.
+    """
+
+    tree: Tree
+    rules: dict[str, tuple[str, Elements]] = field(default_factory=dict)
+    taken: set[str] = field(default_factory=set)
+    _fitted: dict[object, str] = field(default_factory=dict)
+    _filling: dict[int, bool] = field(default_factory=dict)
+    _labels: dict[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        from ipmlang.compiler.ops import FUNCTIONS, OPERATIONS
+
+        self.taken |= taken_names(self.tree.draft.grammar) | set(OPERATIONS) | set(FUNCTIONS)
+
+    # ---------------------------------------------------------------------------- asking
+
+    def name(self, unit: Unit) -> str:
+        """The symbol of a shape, the label of a terminal."""
+        kind, row = unit
+        return self.tree.names[row] if kind == "shape" else self.tree.terminals.labels[row]
+
+    def owner(self, unit: Unit) -> int:
+        """The shape that made a unit."""
+        kind, row = unit
+        return int(self.tree.parent[row] if kind == "shape" else self.tree.owner[row])
+
+    def frame(self, unit: Unit) -> Frames:
+        """The frame of a unit, one row."""
+        kind, row = unit
+        one = self.tree.frames if kind == "shape" else self.tree.terminals.frames
+        return one[row : row + 1]
+
+    def fills(self, unit: Unit) -> bool:
+        """Whether a unit is as large as its scope says."""
+        kind, row = unit
+        if kind == "terminal":
+            return not self._is_free_asset(row)
+        symbol = int(self.tree.lineage.symbol[row])
+        return symbol >= 0 and self._symbol_fills(symbol)
+
+    def box(self, unit: Unit) -> tuple[Floats, Floats]:
+        """(3,) the corners of a unit in its own axes: its scope, where it fills that."""
+        kind, row = unit
+        if kind == "terminal":
+            return self.tree.terminals.low[row], self.tree.terminals.high[row]
+        if self.fills(unit):
+            return np.zeros(3), self.tree.size[row]
+        return self.tree.own_box(row)
+
+    def extent(self, unit: Unit) -> Floats:
+        """(3,) how large a unit is along its own axes: its scope, or where that has no extent, what
+        it draws.
+        """
+        low, high = self.box(unit)
+        size = high - low
+        if unit[0] == "shape" and (size <= 0).any():
+            first, last = self.tree.own_box(unit[1])
+            size = np.where(size > 0, size, last - first)
+        return np.asarray(size * self.frame(unit).scale[0])
+
+    def _is_free_asset(self, row: int) -> bool:
+        table = self.tree.scene.instances
+        number = int(table.asset[row])
+        return number >= 0 and self.tree.scene.assets[number].name == self.name(("terminal", row))
+
+    def _symbol_fills(self, symbol: int) -> bool:
+        if symbol not in self._filling:
+            self._filling[symbol] = False  # while a recursive rule is looked at
+            program = self.tree.program
+            self._filling[symbol] = any(
+                self._reads_scope(program.productions[number].body)
+                for number in program.symbols[symbol].productions
+            )
+        return self._filling[symbol]
+
+    def _reads_scope(self, body: tuple[ir.Instruction, ...], sized: bool = False) -> bool:
+        """Whether a body asks how large its scope is before it says so."""
+        saved: list[bool] = []
+        for each in body:
+            if each.op == "open":
+                saved.append(sized)
+            elif each.op == "close":
+                sized = saved.pop()
+            elif each.op == "module":
+                assert isinstance(each.const, int)
+                if not sized and self._uses_scope(each.const):
+                    return True
+                steps = self.tree.program.symbols[each.const].meaning or ()
+                sized = sized or any(step.op == "resize" for step in steps)
+            elif not sized and (
+                each.op in ("slab", "pieces", "snapped", "measure")
+                or (each.op == "state" and each.const in ("sx", "sy", "sz"))
+                or (each.op == "repeat" and self._reads_scope(each.body))
+            ):
+                return True
+        return False
+
+    def _uses_scope(self, number: int) -> bool:
+        """Whether a module takes the scope that it is given for its own."""
+        symbol = self.tree.program.symbols[number]
+        ops = {step.op: step.const for step in symbol.meaning or ()}
+        if "resize" in ops:
+            return False
+        drawn = ops.get("emit", 0) == -1 or "solid" in ops
+        return drawn or (bool(symbol.productions) and self._symbol_fills(number))
+
+    # --------------------------------------------------------------------------- as it is
+
+    def plain(self, unit: Unit, around: int) -> Elements:
+        """A unit as it is, where a body of the shape `around` draws it in the unit's frame."""
+        size = tuple(literal(float(each)) for each in self.box(unit)[1]) if self.fills(unit) else ()
+        return self._said(unit, around, size)
+
+    def fitted(self, unit: Unit, around: int, size: Vector) -> Elements:
+        """A unit in a scope of a size, whose origin is the low corner of its box."""
+        kind, row = unit
+        if self.fills(unit):
+            return self._said(unit, around, size)
+        pens = self.pens(unit, around)
+        if kind == "terminal":
+            name = self.name(unit)
+            label = self._labels.get(name)
+            if label is None:
+                label = self._labels[name] = self.new_name(f"{name}_fitted")
+            asset = call("insert", ast.Name(name))
+            return (*pens, call("size", *size), asset, ast.Module(label))
+        return (*pens, call("size", *size), ast.Module(self._fit_rule(row)))
+
+    def _said(self, unit: Unit, around: int, size: tuple[ast.Expr, ...]) -> Elements:
+        kind, row = unit
+        pens = self.pens(unit, around)
+        scope: list[ast.Element] = [call("size", *size)] if size else []
+        if kind == "shape":
+            if size:
+                scope += self._geometry(self.tree.lineage.state["geo"][row], row, around)
+            return (*pens, *scope, self.call(row))
+        table = self.tree.scene.instances
+        number = int(table.asset[row])
+        if number >= 0:
+            if size:
+                scope.append(call("insert", ast.Name(self.tree.scene.assets[number].name)))
+            return (*pens, *scope, ast.Module(self.name(unit)))
+        if number != SCOPE:
+            raise _unsaid(self, unit, "it is cut, bent or put together by its rule")
+        geometry = self.tree.lineage.pens.get("geo")
+        own = BOX if geometry is None else int(geometry[row])
+        scope += self._geometry(own, row, around, self.tree.terminals.high[row])
+        return (*pens, *scope, ast.Module(self.name(unit)))
+
+    def _geometry(
+        self, own: float, row: int, around: int, size: Floats | None = None
+    ) -> list[ast.Element]:
+        """What makes the scope around a rectangle or a box, unless it is one."""
+        outer = self.tree.lineage.state["geo"][around]
+        high = self.tree.size[row] if size is None else size
+        same = (high[2] > 0) == (self.tree.size[around][2] > 0)
+        if own == NOTHING or (own == outer == BOX and same):
+            return []
+        numbers = self.tree.scene.solids
+        filled = own == BOX or len(numbers[int(own)].vertices) in (4, 8)
+        if not filled:
+            raise _unsaid(self, ("shape", row), "its ground is no rectangle and no box")
+        return [ast.Module("cube" if high[2] > 0 else "quad")]
+
+    def call(self, row: int) -> ast.Module:
+        """The symbol of a shape with its arguments."""
+        symbol = self.tree.program.symbols[int(self.tree.lineage.symbol[row])]
+        values = self.tree.lineage.arguments[row][: symbol.arity - symbol.carried]
+        written = self._written(row)
+        if written is not None and all(_closed(each.value) for each in written.args):
+            return ast.Module(self.tree.names[row], written.args)
+        return ast.Module(
+            self.tree.names[row], tuple(ast.Argument(literal(value)) for value in values)
+        )
+
+    def _written(self, row: int) -> ast.Module | None:
+        """The module in the main file that made a shape."""
+        lineage, program = self.tree.lineage, self.tree.program
+        taken = int(lineage.production[lineage.parent[row]]) if lineage.parent[row] >= 0 else -2
+        if taken == -2:
+            return None
+        production = program.axiom if taken < 0 else program.productions[taken]
+        if production.path != program.path or production.item < 0:
+            return None
+        from ipmlang.edit.symbols import nodes
+
+        site = int(lineage.site[row])
+        spans = [each.span for each in _all(production.body) if each.site == site]
+        for node in nodes(self.tree.draft.grammar.items[production.item]):
+            if isinstance(node, ast.Module) and tuple(node.span) in spans:
+                return node
+        return None
+
+    def pens(self, unit: Unit, around: int) -> Elements:
+        """What the pen must be told, as the shape `around` has it, to draw a unit."""
+        kind, row = unit
+        lineage = self.tree.lineage
+        own = lineage.state if kind == "shape" else lineage.pens
+        said: list[ast.Element] = []
+        for name, outer in lineage.state.items():
+            here, there = float(own[name][row]), float(outer[around])
+            if here == there or (here != here and there != there):
+                continue
+            if name in BOUND:
+                raise _unsaid(self, unit, "its texture, effect or boolean spans several parts")
+            if name in TEXTS and here >= 0:
+                text = ast.Text(self.tree.program.strings[int(here)])
+                said.append(call(name, text))
+            elif name == "width":
+                said.append(call("width", literal(here)))
+            elif name == "layer":
+                said.append(call("layer", literal(here - there)))
+        return tuple(said)
+
+    # ---------------------------------------------------------------------- relative rules
+
+    def _fit_rule(self, row: int) -> str:
+        """The rule that draws a shape in shares of its scope."""
+        symbol = self.tree.names[row]
+        low, high = self.box(("shape", row))
+        body = self._shares(row, low, high)
+        key = (symbol, body)
+        if key not in self._fitted:
+            name = self.new_name(f"{symbol.rpartition('.')[2]}_fitted")
+            self._fitted[key] = name
+            self.rules[name] = (symbol, body)
+        return self._fitted[key]
+
+    def _shares(self, row: int, low: Floats, high: Floats) -> Elements:
+        extent = high - low
+        own = self.frame(("shape", row))
+        body: list[ast.Element] = []
+        for unit in self.parts(row):
+            frame = compose(inverse(own), self.frame(unit))
+            first, last = self.box(unit)
+            turned = linear(frame)[0]
+            axis = np.abs(turned).argmax(axis=0)
+            if np.abs(np.abs(turned).max(axis=0) - frame.scale[0]).max() > 1e-9:
+                raise _unsaid(self, unit, "it stands askew in what is stretched")
+            corner = turned @ first + frame.position[0]
+            size = (last - first) * frame.scale[0]
+            x, y, z = (_share(corner[k] - low[k], extent[k], EXTENTS[k]) for k in range(3))
+            place = (x, y, z)
+            scope = [_share(size[k], extent[axis[k]], EXTENTS[axis[k]]) for k in range(3)]
+            bare = Frames(np.zeros((1, 3)), frame.rotation, frame.hand, np.ones(1))
+            turn = steps_to(spots(bare, EXACT, 1.0)[0])
+            inner = self.fitted(unit, row, (scope[0], scope[1], scope[2]))
+            move = [] if all_nothing(place) else [call("translate", *place)]
+            body.append(bracket([*move, *turn, *inner]))
+        return tuple(body)
+
+    def parts(self, row: int) -> list[Unit]:
+        """What a shape made and drew, in the order of the derivation, if it draws anything."""
+        first, count = self.tree.first, len(self.tree.owner)
+        found: list[tuple[int, Unit]] = [
+            (each, ("terminal", each)) for each in self.tree.drawn[row]
+        ]
+        found += [(int(first[each]), ("shape", each)) for each in self.tree.children[row]]
+        return [unit for place, unit in sorted(found) if place < count]
+
+    def new_name(self, wish: str) -> str:
+        """A name that nothing bears yet, taken from here on."""
+        number, name = 2, wish
+        while name in self.taken or name in self.rules:
+            name, number = f"{wish}_{number}", number + 1
+        self.taken.add(name)
+        return name
+
+
+def _share(value: float, whole: float, extent: ast.Expr) -> ast.Expr:
+    """A share of an extent of the scope."""
+    if whole <= 0 or abs(value) <= FEW * whole:
+        return ast.Number(0.0)
+    share = literal(float(value / whole))
+    return times(share, extent)
+
+
+def _closed(expr: ast.Expr) -> bool:
+    return isinstance(expr, ast.Number | ast.Text | ast.Truth)
+
+
+def _all(body: tuple[ir.Instruction, ...]) -> list[ir.Instruction]:
+    found = []
+    for each in body:
+        found.append(each)
+        found += _all(each.body)
+    return found
+
+
+def _unsaid(forms: Forms, unit: Unit, why: str) -> IpmError:
+    owner = forms.owner(unit)
+    rule = forms.tree.names[owner] if owner >= 0 else "start"
+    return fail(
+        "cannot-edit-there",
+        f"`{forms.name(unit)}` in `{rule}` cannot be written down by itself: {why}",
+        hint=f"select `{rule}` or what is around it, or change its parameters: ipmlang edit set",
+    )
+
+
+__all__ = ["EXACT", "EXTENTS", "Forms", "Unit", "Vector"]

@@ -1,0 +1,263 @@
+"""Shapes put elsewhere, written back into the grammar with the least change.
+
+In go a tree and what stands in place of some of its parts, out comes a draft. Only rules on the way
+to something that changed get new bodies: where all applications of a rule changed in the same way
+the rule itself, else a variant beside it (`Facade_2`); all other text stays. Whether the result is
+sound is judged elsewhere.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ipmlang.compiler import ast
+from ipmlang.compiler.diagnostics import fail
+from ipmlang.edit.buildings.forms import Forms, Unit
+from ipmlang.edit.buildings.rows import laid_out
+from ipmlang.edit.draft import Change, Draft
+from ipmlang.edit.symbols import Elements, needed_names, without_names
+from ipmlang.inverse.frames import Floats, Frames, compose, inverse, moved_to
+
+DIGITS = 9  # of a place that is the same
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Placed:
+    """Elements that draw something in a frame (one row, in the world); shift (3,): how far the low
+    corner of what stood there went.
+    """
+
+    frame: Frames
+    elements: Elements
+    shift: Floats | None = None
+
+
+@dataclass(slots=True, eq=False)
+class Rewriting:
+    """What is written while a tree is gone through; `at`: what stands in place of units, nothing
+    for those that go; `more`: what a shape draws besides.
+    """
+
+    forms: Forms
+    at: Mapping[Unit, Sequence[Placed]]
+    more: Mapping[int, Sequence[Placed]]
+    opened: set[int]
+    variants: dict[object, str] = field(default_factory=dict)
+    made: dict[str, tuple[str, Elements]] = field(default_factory=dict)
+    _shapes: dict[int, Placed] = field(default_factory=dict)
+
+    def shape(self, row: int) -> Placed:
+        """A shape whose parts may have changed: its frame and what calls it."""
+        own = self.forms.frame(("shape", row))
+        units = self.forms.parts(row)
+        stays = [self._stands(unit) for unit in units]
+        shift = _shared(stays)
+        shift = self._followed(units) if shift is None else shift
+        frame = own if shift is None else _moved(own, shift)
+        if row not in self.more and all(
+            each is not None and shift is not None and np.allclose(each, shift, atol=1e-9)
+            for each in stays
+        ):
+            return Placed(frame, self.forms.plain(("shape", row), self._around(row)))
+        body = self._body(row, frame)
+        return Placed(frame, (*self._begin(row), ast.Module(self._variant(row, body))))
+
+    def _followed(self, units: Sequence[Unit]) -> Floats | None:
+        """How far the first part went, where none stayed as it was."""
+        for unit in units:
+            for placed in self.at.get(unit, ()):
+                if placed.shift is not None:
+                    return placed.shift
+            if unit[0] == "shape" and unit[1] in self.opened:
+                before, after = self.forms.frame(unit), self._once(unit[1]).frame
+                return np.asarray(after.position[0] - before.position[0])
+        return None
+
+    def _around(self, row: int) -> int:
+        return max(int(self.forms.tree.parent[row]), 0)
+
+    def _begin(self, row: int) -> Elements:
+        """What a variant is told before it is called."""
+        return self.forms.pens(("shape", row), self._around(row))
+
+    def _stands(self, unit: Unit) -> Floats | None:
+        """How far a unit moved that else stayed as it was, None for any other."""
+        kind, row = unit
+        if unit in self.at:
+            placed = self.at[unit]
+            if len(placed) != 1:
+                return None
+            own = self.forms.plain(unit, self.forms.owner(unit))
+        elif kind == "shape" and row in self.opened:
+            placed = [self._once(row)]
+            own = self.forms.plain(unit, self.forms.owner(unit))
+        else:
+            return np.zeros(3)
+        if placed[0].elements != own:
+            return None
+        return _shift(self.forms.frame(unit), placed[0].frame)
+
+    def _once(self, row: int) -> Placed:
+        if row not in self._shapes:
+            self._shapes[row] = self.shape(row)
+        return self._shapes[row]
+
+    def _body(self, row: int, frame: Frames) -> Elements:
+        """The parts of a shape, in its new frame."""
+        placed: list[Placed] = []
+        for unit in self.forms.parts(row):
+            if unit in self.at:
+                placed += self.at[unit]
+            elif unit[0] == "shape" and unit[1] in self.opened:
+                placed.append(self._once(unit[1]))
+            else:
+                placed.append(Placed(self.forms.frame(unit), self.forms.plain(unit, row)))
+        placed += self.more.get(row, ())
+        back = inverse(frame)
+        inside = [Placed(compose(back, each.frame), each.elements) for each in placed]
+        return laid_out([(each.frame, each.elements) for each in inside])
+
+    def _variant(self, row: int, body: Elements) -> str:
+        symbol = self.forms.tree.names[row]
+        key = (symbol, body)
+        if key not in self.variants:
+            name = self.forms.new_name(symbol.rpartition(".")[2])
+            self.variants[key] = name
+            self.made[name] = (symbol, body)
+        return self.variants[key]
+
+
+def _shift(before: Frames, after: Frames) -> Floats | None:
+    """How far a frame moved, None if it also turned."""
+    same = np.allclose(before.rotation, after.rotation, atol=1e-9)
+    if not same or before.hand[0] != after.hand[0] or abs(before.scale - after.scale)[0] > 1e-9:
+        return None
+    return np.asarray(after.position[0] - before.position[0])
+
+
+def _moved(frame: Frames, shift: Floats) -> Frames:
+    return Frames(frame.position + shift, frame.rotation, frame.hand, frame.scale)
+
+
+def _shared(shifts: Sequence[Floats | None]) -> Floats | None:
+    """The way that all parts went, or nowhere if some stayed; None where neither is so."""
+    known = [each for each in shifts if each is not None]
+    if any(not np.round(each, DIGITS).any() for each in known):
+        return np.zeros(3)
+    if not known or len(known) < len(shifts):
+        return None
+    same = all(np.allclose(each, known[0], rtol=0, atol=10**-DIGITS) for each in known)
+    return known[0] if same else None
+
+
+def rewritten(
+    forms: Forms,
+    at: Mapping[Unit, Sequence[Placed]],
+    more: Mapping[int, Sequence[Placed]] | None = None,
+    *,
+    what: str = "",
+) -> Draft:
+    """The draft with units replaced and shapes added. Raises IpmError for parts on the way that
+    cannot be written down by themselves.
+    """
+    tree = forms.tree
+    more = more or {}
+    if len(tree.levels[0]) > 1:
+        hint = "edit the grammar of one lot: start … on polygon […]"
+        raise fail("cannot-edit-there", "this grammar starts on several shapes at once", hint=hint)
+    changed = {forms.owner(unit) for unit in at} | set(more)
+    opened = {row for each in changed for row in tree.above(each)}
+    writing = Rewriting(forms, at, more, opened)
+    axiom = writing._body(0, tree.frames[:1])
+    return _with_rules(writing, axiom, what)
+
+
+def _with_rules(writing: Rewriting, axiom: Elements, what: str) -> Draft:
+    """The draft with the new axiom and the new rules, each behind the rule that it comes of."""
+    forms = writing.forms
+    draft = forms.tree.draft
+    kept = _kept_names(writing, axiom)
+    renamed = {name: symbol for name, (symbol, _) in writing.made.items() if name in kept}
+    new: dict[str, list[ast.Rule]] = {}
+    bodies: dict[str, Elements] = {}
+    for name, (symbol, body) in {**forms.rules, **writing.made}.items():
+        body = _renamed(body, renamed)
+        if name in renamed:
+            bodies[symbol] = body
+        else:
+            new.setdefault(symbol, []).append(ast.Rule(ast.Head(name), body))
+    grammar = _placed_rules(draft.grammar, new, bodies, _renamed(axiom, renamed))
+    grammar = without_names(grammar, needed_names(draft.grammar) - needed_names(grammar))
+    changes = [Change(symbol, "its parts", name) for name, (symbol, _) in writing.made.items()]
+    changes = changes or [Change("start", "its parts", what or "others")]
+    notes = replace(draft, grammar=grammar, changes=(*draft.changes, *changes))
+    return notes
+
+
+def _kept_names(writing: Rewriting, axiom: Elements) -> set[str]:
+    """The variants that take the place of their rule: nothing else of it is drawn any more."""
+    from ipmlang.edit.symbols import used_names
+
+    forms, grammar = writing.forms, writing.forms.tree.draft.grammar
+    heads = Counter(item.head.name for item in grammar.items if isinstance(item, ast.Rule))
+    plain = {
+        item.head.name
+        for item in grammar.items
+        if isinstance(item, ast.Rule) and not item.head.parameters and item.guard is None
+    }
+    called = used_names(axiom).union(
+        *(used_names(body) for _, body in (*writing.made.values(), *forms.rules.values()))
+    )
+    by_symbol: dict[str, list[str]] = {}
+    for name, (symbol, _) in writing.made.items():
+        by_symbol.setdefault(symbol, []).append(name)
+    gone = set(by_symbol)
+    for item in grammar.items:  # what rules that stay still ask for
+        if isinstance(item, ast.Rule) and item.head.name not in gone and item.head.name in called:
+            called |= used_names(item)
+    return {
+        names[0]
+        for symbol, names in by_symbol.items()
+        if len(names) == 1 and heads[symbol] == 1 and symbol in plain and symbol not in called
+    }
+
+
+def _renamed(body: Elements, names: Mapping[str, str]) -> Elements:
+    from ipmlang.edit.symbols import mapped
+
+    def change(node: object) -> object:
+        if isinstance(node, ast.Module) and node.name in names:
+            return replace(node, name=names[node.name])
+        return node
+
+    return mapped(body, change) if names else body
+
+
+def _placed_rules(
+    grammar: ast.Grammar,
+    new: Mapping[str, Sequence[ast.Rule]],
+    bodies: Mapping[str, Elements],
+    axiom: Elements,
+) -> ast.Grammar:
+    items: list[ast.Item] = []
+    heads = [item.head.name if isinstance(item, ast.Rule) else "" for item in grammar.items]
+    waiting = dict(new)
+    for number, item in enumerate(grammar.items):
+        if isinstance(item, ast.Start):
+            item = replace(item, axiom=axiom or (ast.Module("nil"),), choices=None)
+        elif isinstance(item, ast.Rule) and item.head.name in bodies:
+            item = replace(item, body=bodies[item.head.name] or (ast.Module("nil"),))
+        items.append(item)
+        if heads[number] and heads[number] not in heads[number + 1 :]:
+            items += waiting.pop(heads[number], ())
+    rest = [rule for rules in waiting.values() for rule in rules]
+    place = max((k for k, item in enumerate(items) if isinstance(item, ast.Rule)), default=-1)
+    place = len(items) if place < 0 else place + 1
+    return replace(grammar, items=(*items[:place], *rest, *items[place:]))
+
+
+__all__ = ["Placed", "Rewriting", "moved_to", "rewritten"]

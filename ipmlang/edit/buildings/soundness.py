@@ -1,0 +1,76 @@
+"""Whether an edit tore a building apart: judged on what is drawn before and after.
+
+In go two derivation trees, out comes nothing, or an error that names what came apart. Parts have no
+identity across an edit, so kinds are judged: what always touched something of a kind must still.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ipmlang.compiler.diagnostics import fail
+from ipmlang.edit.buildings.contacts import neighbours, touching
+from ipmlang.edit.buildings.tree import Tree
+from ipmlang.inverse.frames import Floats
+
+MADE = "_fitted"  # behind the label of a terminal that was stretched
+
+
+def check_sound(before: Tree, after: Tree, near: float) -> None:
+    """Raises IpmError if anything has no size, or hangs in the air that did not."""
+    loose = came_apart(before, after, near)
+    if loose:
+        named = ", ".join(f"`{name}`" for name in sorted(loose)[:6])
+        raise fail(
+            "comes-apart",
+            f"this would tear the building apart: {named} would touch nothing that it touched",
+            hint="select more of the building, or a smaller change",
+        )
+
+
+def came_apart(before: Tree, after: Tree, near: float) -> set[str]:
+    """The labels of terminals all of which touched others, of which some touch none of these kinds
+    now.
+    """
+    touched = _touched(before, near)
+    now = _touched(after, 4 * near)
+    all_touch = {label: set.union(*kinds) for label, kinds in touched.items() if all(kinds)}
+    return {
+        label
+        for label, kinds in now.items()
+        if label in all_touch and not all(each & all_touch[label] for each in kinds)
+    }
+
+
+def _touched(tree: Tree, near: float) -> dict[str, list[set[str]]]:
+    """For each label, the labels that each of its terminals touches."""
+    low, high = tree.boxes(np.eye(3))
+    labels = [label.removesuffix(MADE) for label in tree.terminals.labels]
+    found: list[set[str]] = [set() for _ in labels]
+    for i, j in neighbours(low, high, near).tolist():
+        found[i].add(labels[j])
+        found[j].add(labels[i])
+    gathered: dict[str, list[set[str]]] = {}
+    for label, own in zip(labels, found, strict=True):
+        gathered.setdefault(label, []).append(own)
+    return gathered
+
+
+def runs_into(before: Tree, after: Tree, near: float) -> bool:
+    """Whether terminals that are in both and abutted now stand in each other."""
+    one, other = before.scene.instances.key, after.scene.instances.key
+    _, mine, theirs = np.intersect1d(one, other, return_indices=True)
+    low, high = (each[mine] for each in before.boxes(np.eye(3)))
+    pairs = neighbours(low, high, near)
+    abut = touching(low, high, pairs, near)
+    pairs = pairs[abut.any(axis=1)]
+    low, high = (each[theirs] for each in after.boxes(np.eye(3)))
+    i, j = pairs.T
+    depth = np.minimum(high[i], high[j]) - np.maximum(low[i], low[j])
+    return bool(((depth > 10 * near).all(axis=1)).any())
+
+
+def extents(tree: Tree) -> Floats:
+    """(m, 3) the sizes of all terminals along their own axes."""
+    one = tree.terminals
+    return np.asarray((one.high - one.low) * one.frames.scale[:, None])

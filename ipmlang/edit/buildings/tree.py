@@ -1,0 +1,262 @@
+"""A grammar with what it derives: every shape and every terminal, with frames and boxes.
+
+In goes a draft, out comes its derivation tree in numbers. Terminals have the box of their geometry,
+a shape the union of what it draws; in its own axes, and in those of anything else. Nothing is
+changed or judged here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.compiler import ast, compile_file, compile_text, ir
+from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail
+from ipmlang.edit.draft import Draft
+from ipmlang.edit.saving import about, staged
+from ipmlang.inverse.frames import Floats, Frames, Integers, from_matrices, inverse, linear
+from ipmlang.runtime import derive
+from ipmlang.runtime.lineage import Lineage
+from ipmlang.runtime.scene import OUTLINE, SEGMENT, Scene
+
+CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], np.float64)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Terminals:
+    """m drawn things: frames; low, high (m, 3): their boxes in their own axes; label (m,) names."""
+
+    frames: Frames
+    low: Floats
+    high: Floats
+    labels: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Tree:
+    """n shapes and m terminals. names: of the shapes, as the main file writes them; frames, size
+    (n, 3): their scopes; parent (n,), owner (m,): the shape that made each, -1 of the start.
+    """
+
+    draft: Draft
+    program: ir.Program
+    scene: Scene
+    lineage: Lineage
+    names: tuple[str, ...]
+    frames: Frames
+    size: Floats
+    terminals: Terminals
+
+    @property
+    def parent(self) -> Integers:
+        return self.lineage.parent.astype(np.int64)
+
+    @property
+    def owner(self) -> Integers:
+        return self.lineage.drawer.astype(np.int64)
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    @cached_property
+    def first(self) -> Integers:
+        """(n,) the first terminal below each shape; m where it draws nothing."""
+        found = np.full(len(self), len(self.owner), np.int64)
+        np.minimum.at(found, self.owner, np.arange(len(self.owner)))
+        for rows in self.levels[:0:-1]:
+            np.minimum.at(found, self.parent[rows], found[rows])
+        return found
+
+    @cached_property
+    def levels(self) -> list[Integers]:
+        """The shapes by depth, the start first."""
+        depth = np.zeros(len(self), np.int64)
+        for row, above in enumerate(self.parent.tolist()):
+            if above >= 0:
+                depth[row] = depth[above] + 1
+        return [np.flatnonzero(depth == k) for k in range(int(depth.max(initial=0)) + 1)]
+
+    @cached_property
+    def children(self) -> list[list[int]]:
+        """The shapes that each shape made."""
+        found: list[list[int]] = [[] for _ in range(len(self))]
+        for row, above in enumerate(self.parent.tolist()):
+            if above >= 0:
+                found[above].append(row)
+        return found
+
+    @cached_property
+    def drawn(self) -> list[list[int]]:
+        """The terminals that each shape drew itself."""
+        found: list[list[int]] = [[] for _ in range(len(self))]
+        for row, above in enumerate(self.owner.tolist()):
+            found[above].append(row)
+        return found
+
+    def below(self, shape: int) -> list[int]:
+        """All terminals below a shape, in the order of the derivation."""
+        found, waiting = [], [shape]
+        while waiting:
+            row = waiting.pop()
+            found += self.drawn[row]
+            waiting += self.children[row]
+        return sorted(found)
+
+    def above(self, shape: int) -> list[int]:
+        """A shape and those it comes of, the start last."""
+        found = [shape]
+        while self.parent[found[-1]] >= 0:
+            found.append(int(self.parent[found[-1]]))
+        return found
+
+    def boxes(self, axes: Floats) -> tuple[Floats, Floats]:
+        """(m, 3) low and high corners of all terminals along axes, rows of (3, 3)."""
+        one = self.terminals
+        points = _cornered(one.frames, one.low, one.high) @ axes.T
+        return points.min(axis=1), points.max(axis=1)
+
+    def unions(self, low: Floats, high: Floats) -> tuple[Floats, Floats]:
+        """(n, 3) the boxes around what each shape draws; (m, 3) are those of terminals. Empty ones
+        have their low corner at inf.
+        """
+        lows, highs = np.full((len(self), 3), np.inf), np.full((len(self), 3), -np.inf)
+        np.minimum.at(lows, self.owner, low)
+        np.maximum.at(highs, self.owner, high)
+        for rows in self.levels[:0:-1]:
+            np.minimum.at(lows, self.parent[rows], lows[rows])
+            np.maximum.at(highs, self.parent[rows], highs[rows])
+        return lows, highs
+
+    def own_box(self, shape: int) -> tuple[Floats, Floats]:
+        """(3,) the corners of what a shape draws, in its own coordinates."""
+        rows = np.array(self.below(shape), np.int64)
+        one = self.terminals
+        points = _cornered(one.frames[rows], one.low[rows], one.high[rows]).reshape(-1, 3)
+        back = inverse(self.frames[shape : shape + 1])
+        local = points @ linear(back)[0].T + back.position[0]
+        return local.min(axis=0), local.max(axis=0)
+
+
+def _cornered(frames: Frames, low: Floats, high: Floats) -> Floats:
+    """(m, 8, 3) the corners of boxes."""
+    points = low[:, None] + CORNERS[None] * (high - low)[:, None]
+    return np.asarray(np.einsum("mij,mkj->mki", linear(frames), points) + frames.position[:, None])
+
+
+def grown(draft: Draft, *, seed: int = 0, attrs: Mapping[str, float] | None = None) -> Tree:
+    """Derive a draft with its tree. Raises IpmError for what cannot be derived, and for grammars
+    whose shapes do not expand independently.
+    """
+    if not draft.added:
+        program = compile_text(draft.text, folder=draft.folder)[1]
+        return tree_of(draft, program, seed=seed, attrs=attrs)
+    with staged(draft, draft.path) as made, about(made, draft.path):
+        program = compile_file(made.path, allow_outside=draft.allow_outside)[1]
+        return tree_of(draft, program, seed=seed, attrs=attrs)
+
+
+def tree_of(
+    draft: Draft, program: ir.Program, *, seed: int = 0, attrs: Mapping[str, float] | None = None
+) -> Tree:
+    """The tree of a program that a draft was compiled to."""
+    told: list[Lineage] = []
+    scene = derive(program, seed=seed, attrs=attrs, tell=told.append)
+    if not told or scene.flat:
+        raise fail(
+            "not-a-building",
+            "this grammar draws no building: its shapes thread a turtle, or lie in one plane",
+            hint="edits of buildings take grammars of scopes: split, comp, translate, insert",
+        )
+    lineage = told[0]
+    count = len(lineage)
+    state = lineage.state
+    hand = np.sign(state.get("scale", np.ones(count)))
+    frames = Frames(
+        np.stack([state[axis] for axis in "xyz"], axis=1),
+        np.stack([state[axis] for axis in "wijk"], axis=1),
+        hand,
+        np.abs(state.get("scale", np.ones(count))),
+    )
+    size = np.stack([state.get(name, np.zeros(count)) for name in ("sx", "sy", "sz")], axis=1)
+    names = _names(draft.grammar, program, lineage)
+    return Tree(draft, program, scene, lineage, names, frames, size, _terminals(program, scene))
+
+
+def _names(grammar: ast.Grammar, program: ir.Program, lineage: Lineage) -> tuple[str, ...]:
+    """What the main file calls each shape's symbol: those of imports have a dot."""
+    prefix = {
+        item.path.rpartition("/")[2].removesuffix(".ipm"): item.alias
+        or item.path.rpartition("/")[2].removesuffix(".ipm")
+        for item in grammar.items
+        if isinstance(item, ast.Import)
+    }
+    own = {item.head.name for item in grammar.items if isinstance(item, ast.Rule)}
+    found = {-1: "start"}
+    for number, symbol in enumerate(program.symbols):
+        paths = {program.productions[each].path for each in symbol.productions}
+        stem = next(iter(paths), "").replace("\\", "/").rpartition("/")[2].removesuffix(".ipm")
+        bare = symbol.name in own and paths <= {program.path, ""}
+        dotted = "." in symbol.name or bare or stem not in prefix
+        found[number] = symbol.name if dotted else f"{prefix[stem]}.{symbol.name}"
+    return tuple(found[number] for number in lineage.symbol.tolist())
+
+
+def _terminals(program: ir.Program, scene: Scene) -> Terminals:
+    table = scene.instances
+    frames = Frames(
+        np.array(table.position),
+        np.array(table.rotation),
+        np.where(table.scale < 0, -1.0, 1.0),
+        np.abs(table.scale),
+    )
+    low, high = np.zeros((len(table), 3)), np.array(table.size, np.float64)
+    for number in np.unique(table.asset[table.asset >= 0]).tolist():
+        rows = (table.asset == number) & ~_fitted(scene, number)
+        low[rows], high[rows] = _bounds(program, number)
+    for shape in np.unique(table.shape[table.asset == OUTLINE]).tolist():
+        rows = (table.asset == OUTLINE) & (table.shape == shape)
+        points = scene.polygons[shape]
+        low[rows, : points.shape[1]], high[rows, : points.shape[1]] = (
+            points.min(axis=0),
+            points.max(axis=0),
+        )
+    high[table.asset == SEGMENT, 1:] = 0.0
+    labels = tuple(scene.labels[k] for k in table.label.tolist())
+    return Terminals(frames, low, high, labels)
+
+
+def _fitted(scene: Scene, asset: int) -> NDArray[np.bool_]:
+    """(m,) which terminals have an asset that fills their scope."""
+    table = scene.instances
+    own = [k for k, label in enumerate(scene.labels) if label == scene.assets[asset].name]
+    return np.asarray(~np.isin(table.label, own))
+
+
+def _bounds(program: ir.Program, asset: int) -> tuple[Floats, Floats]:
+    from ipmlang.runtime.scopes.solids import AssetSolids
+
+    points = AssetSolids(program)(asset).vertices
+    return points.min(axis=0), points.max(axis=0)
+
+
+def relative(tree: Tree, shape: int, frames: Frames) -> Frames:
+    """Frames in the coordinates of a shape."""
+    from ipmlang.inverse.frames import compose
+
+    return compose(inverse(tree.frames[shape : shape + 1]), frames)
+
+
+def unknown(message: str, name: str, known: set[str]) -> IpmError:
+    """A name that nothing bears."""
+    from ipmlang.compiler.diagnostics import nearest
+
+    return IpmError(
+        [Diagnostic("nothing-selected", message, suggestions=nearest(name, sorted(known)))]
+    )
+
+
+__all__ = ["Terminals", "Tree", "from_matrices", "grown", "relative", "tree_of", "unknown"]
