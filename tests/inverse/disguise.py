@@ -7,6 +7,7 @@ shares nothing with the proof of the product.
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -26,6 +27,20 @@ def model_of(path: Path) -> tuple[Floats, Integers]:
     """Vertices (v, 3), each terminal's its own, and triangles (t, 3) that a grammar draws."""
     vertices, triangles = world_triangles(mesh_scene_of(ipmlang.load(path).run()), "z-up")[:2]
     return np.asarray(vertices, np.float64), np.asarray(triangles, np.int64)
+
+
+def triangles_of(path: Path) -> Floats:
+    """(t, 3, 3) all triangles of an OBJ file, by the plainest of readers: `v` and `f` lines."""
+    points: list[list[float]] = []
+    corners: list[tuple[int, int, int]] = []
+    for line in path.read_text(encoding="utf-8").splitlines():
+        word, *rest = line.split() or [""]
+        if word == "v":
+            points.append([float(each) for each in rest[:3]])
+        elif word == "f":
+            ring = [int(each.split("/")[0]) - 1 for each in rest]
+            corners += [(ring[0], *edge) for edge in pairwise(ring[1:])]
+    return np.array(points)[np.array(corners, np.int64)]
 
 
 def disguised(vertices: Floats, triangles: Integers, seed: int, degrees: float, weld: bool) -> str:
