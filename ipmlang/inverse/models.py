@@ -26,9 +26,9 @@ from ipmlang.inverse.naming import capital, word
 from ipmlang.inverse.options import Options
 from ipmlang.inverse.parts.observation import Parts
 from ipmlang.inverse.report import Report, counted
+from ipmlang.inverse.split.assembly import flat
 from ipmlang.inverse.split.comparison import Difference
 from ipmlang.inverse.split.explained import count_explained
-from ipmlang.inverse.split.flat import flat_scheme
 from ipmlang.inverse.split.parts_file import PartsFile, parts_name, write_parts
 from ipmlang.inverse.split.placing import Precision
 from ipmlang.inverse.split.printing import print_scheme
@@ -37,6 +37,7 @@ from ipmlang.inverse.split.scheme import Scheme, Terminal
 
 LIMIT = 1e-6  # share of the diagonal that any corner may be off
 ALIKE = 0.7  # share of the limit that equal parts may differ by; the rest is for rounding
+NOTHING = 1e-7  # share of the diagonal that does not count
 ROUNDINGS = (0.15, 0.03, 0.0003)  # shares of the limit that a number may be rounded by, in turn
 Up = Literal["auto", "y", "z"]
 
@@ -53,19 +54,19 @@ class _Goal:
 
 
 def grammar_of_model(
-    path: Path, stem: str, flat: bool, up: Up, say: Callable[[str], None], options: Options
+    path: Path, stem: str, is_flat: bool, up: Up, say: Callable[[str], None], options: Options
 ) -> Found:
     """The shortest proven grammar of a model. IpmError where there is nothing to infer from."""
     limit = LIMIT if options.within is None else max(options.within, LIMIT)
     parts, source = observed(path, up, limit)
     _check_parts(path, parts)
     say(f"looking for rules among {len(parts.shape)} components")
-    plain = flat_scheme(parts)
+    plain = flat(parts)
     goal = _Goal(parts, source, limit, stem, capital(word(path.stem)) or "Building")
     tokens_flat = count_text_tokens(format_grammar(_written(goal, plain, ROUNDINGS[0], True)[0]))
     say("comparing with the model")
-    for scheme, rounding in _attempts(plain if flat else _searched(parts, options), plain):
-        grammar, file = _written(goal, scheme, rounding, flat)
+    for scheme, rounding in _attempts(plain if is_flat else _searched(parts, options), plain):
+        grammar, file = _written(goal, scheme, rounding, is_flat)
         text = format_grammar(grammar)
         difference = prove(source, text, file, stem, limit * parts.diagonal)
         if difference.none:
@@ -80,7 +81,16 @@ def grammar_of_model(
 
 
 def _searched(parts: Parts, options: Options) -> Scheme:
-    return flat_scheme(parts)
+    """The scheme that options ask for."""
+    small = NOTHING * parts.diagonal
+    if options.paper:
+        from ipmlang.inverse.split.raw_form import raw_form
+
+        return raw_form(parts, small)
+    from ipmlang.inverse.split.facades import as_splits
+    from ipmlang.inverse.split.search import shortest
+
+    return as_splits(shortest(parts), small)
 
 
 def _attempts(found: Scheme, plain: Scheme) -> Iterator[tuple[Scheme, float]]:
@@ -92,22 +102,12 @@ def _attempts(found: Scheme, plain: Scheme) -> Iterator[tuple[Scheme, float]]:
 
 def observed(path: Path, up: Up, limit: float) -> tuple[Parts, Mesh]:
     """The parts of a model, and all its faces as they were read, z up."""
-    from ipmlang.formats.mesh import read_meshes
-    from ipmlang.inverse.parts.observe import parts_of
-    from ipmlang.inverse.parts.soup import gathered
-    from ipmlang.inverse.parts.upward import upward
+    from ipmlang.inverse.parts import observe_with_faces
 
     try:
-        scene = read_meshes(path)
+        return observe_with_faces(path, up=up, within=ALIKE * limit)
     except FormatError as error:
         raise unreadable(path, error) from error
-    turned, guess = upward(path, scene, up)
-    soup = gathered(scene, turned, 1.0)
-    parts = parts_of(soup, ALIKE * limit, path.stem)
-    notes = (*scene.notes, *guess, *parts.notes)
-    axes: Literal["y-up", "z-up"] = "y-up" if turned else "z-up"
-    size = path.stat().st_size
-    return replace(parts, up=axes, source_bytes=size, notes=notes), soup.mesh
 
 
 def _check_parts(path: Path, parts: Parts) -> None:

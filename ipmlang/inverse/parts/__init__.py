@@ -7,6 +7,6 @@ the same up to a rigid motion or a mirror. Nothing here looks for patterns or wr
 from __future__ import annotations
 
 from ipmlang.inverse.parts.observation import PartClass, Parts
-from ipmlang.inverse.parts.observing import observe, parts_of
+from ipmlang.inverse.parts.observing import observe, observe_with_faces, parts_of
 
-__all__ = ["PartClass", "Parts", "observe", "parts_of"]
+__all__ = ["PartClass", "Parts", "observe", "observe_with_faces", "parts_of"]

@@ -45,14 +45,28 @@ def observe(
     coordinates tell shapes apart even where no image is laid by them. FormatError where
     the file cannot be read or holds no faces.
     """
+    return observe_with_faces(path, up=up, unit=unit, within=within, keep_uv=keep_uv)[0]
+
+
+def observe_with_faces(
+    path: Path | str,
+    *,
+    up: Literal["auto", "y", "z"] = "auto",
+    unit: float = 1.0,
+    within: float | None = None,
+    keep_uv: bool = False,
+) -> tuple[Parts, Mesh]:
+    """The same, and all faces of the model in the world, z up, as they were read but for what was
+    mended: what a proof compares with.
+    """
     path = Path(path)
     scene = read_meshes(path)
     turned, guess = upward(path, scene, up)
     soup = gathered(scene, turned, unit)
     reach = EXACT if within is None else within
-    parts = parts_of(soup, reach, path.stem, keep_uv, (*scene.notes, *guess))
+    parts, mesh = _taken_apart(soup, reach, path.stem, keep_uv, (*scene.notes, *guess))
     up_in_file: Literal["y-up", "z-up"] = "y-up" if turned else "z-up"
-    return replace(parts, up=up_in_file, source_bytes=path.stat().st_size)
+    return replace(parts, up=up_in_file, source_bytes=path.stat().st_size), mesh
 
 
 def parts_of(
@@ -65,6 +79,12 @@ def parts_of(
     """The parts of faces in the world; `stem` is what the model is called, `said` what its notes
     begin with. FormatError where no face has an area.
     """
+    return _taken_apart(soup, within, stem, keep_uv, said)[0]
+
+
+def _taken_apart(
+    soup: Soup, within: float, stem: str, keep_uv: bool, said: tuple[Note, ...]
+) -> tuple[Parts, Mesh]:
     mesh = soup.mesh
     diagonal = float(np.linalg.norm(np.ptp(mesh.vertices[mesh.corners], axis=0)))
     same, met = welded(mesh.vertices, diagonal)
@@ -80,12 +100,13 @@ def parts_of(
     pieces = sorted_pieces(better, same, part, keep_uv)
     found = classified(pieces, within * diagonal)
     told = _told(replace(soup, mesh=better), pieces, found, diagonal, stem)
-    return replace(
+    parts = replace(
         told,
         triangles=int((np.diff(mesh.offsets) - 2).sum()),
         vertices=len(mesh.vertices),
         notes=(*said, *_unused(mesh), *mended, *told.notes),
     )
+    return parts, better
 
 
 def _told(soup: Soup, pieces: Pieces, found: Classes, diagonal: float, stem: str) -> Parts:
