@@ -37,20 +37,23 @@ class Boxes:
         order = np.arange(len(self.placed))
         if seed is not None:
             order = np.random.default_rng(seed).permutation(len(order))
-        names = list(self.sizes)
+        used = {name for name, _ in self.placed}
+        names = [name for name in self.sizes if name in used]
         shape = np.array([names.index(self.placed[row][0]) for row in order], np.int64)
         frames = from_matrices(np.array([self.placed[row][1] for row in order]))
         low, high = boxes(np.array([self.sizes[name] for name in names])[shape], frames)
         return Parts(
-            shape, frames, low, high, ((),) * len(shape), self._classes(shape),
+            shape, frames, low, high, ((),) * len(shape), self._classes(names, shape),
             np.zeros(len(shape)), float(np.linalg.norm(high.max(0) - low.min(0))), "z-up", 0, 0, 0,
         )  # fmt: skip
 
-    def _classes(self, shape: np.ndarray) -> tuple[PartClass, ...]:
+    def _classes(self, names: list[str], shape: np.ndarray) -> tuple[PartClass, ...]:
         nothing = triangle_mesh(np.zeros((0, 3)), np.zeros((0, 3), np.int64))
         return tuple(
-            PartClass(name, nothing, np.array(size), identity(), np.flatnonzero(shape == row))
-            for row, (name, size) in enumerate(self.sizes.items())
+            PartClass(
+                name, nothing, np.array(self.sizes[name]), identity(), np.flatnonzero(shape == row)
+            )
+            for row, name in enumerate(names)
         )
 
 
