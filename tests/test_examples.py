@@ -17,7 +17,7 @@ from ipmlang.runtime.scene import SCOPE, SOLID, Scene
 ROOT = Path(__file__).resolve().parents[1]
 EXAMPLES = sorted((ROOT / "examples").glob("*.ipm"))
 LIBRARY = sorted((ROOT / "stdlib").glob("*.ipm"))
-BUILDINGS = ("flats", "house", "terrace", "tower", "castle", "town")
+BUILDINGS = ("flats", "house", "terrace", "tower", "castle", "town", "palace")
 
 
 def load(name: str) -> ipmlang.Grammar:
@@ -76,6 +76,18 @@ def test_a_tower_has_the_storeys_asked_for() -> None:
     heights = [float(load("tower").run(attrs={"floors": n}).instances.position[:, 2].max())
                for n in (20, 60)]  # fmt: skip
     assert heights[1] - heights[0] == pytest.approx(40 * 3.5, abs=2 * 3.5)
+
+
+@pytest.mark.parametrize("agree", [True, False])
+def test_the_wings_of_a_palace_keep_to_its_middle(agree: bool) -> None:
+    """The lower mouldings of courses stand as high in a wing as in the middle, if parts agree."""
+    scene = load("palace").run(attrs={"agree": agree})
+    table = scene.instances
+    rows = (table.label == scene.labels.index("Moulding")) & (table.position[:, 2] < 11)
+    x, z = table.position[rows, 0], table.position[rows, 2].round(6)
+    wing, middle = set(z[x < 5].tolist()), set(z[(x > 14) & (x < 18)].tolist())
+    assert len(wing) == len(middle) == 4  # two mouldings a course
+    assert (wing == middle) is agree
 
 
 def test_a_terrace_varies_by_its_seed_and_not_without() -> None:

@@ -65,6 +65,13 @@ def sides_of(edges: Edges) -> Indices:
     return found
 
 
+def axes_of(edges: Edges) -> Floats:
+    """The axes (n, 3, 3) of each edge's strip: x along the edge, y inward from it, z up."""
+    found = np.zeros((len(edges.along), 3, 3))
+    found[:, 0, :2], found[:, 1, :2], found[:, 2, 2] = edges.along, edges.inward, 1.0
+    return found + 0.0  # no -0
+
+
 def widths_of(
     edges: Edges, distance: float, front: float | None, side: float | None, back: float | None
 ) -> Floats:
@@ -90,7 +97,7 @@ def setback(
 ) -> list[Piece]:
     """Cut strips off along the edges: `shape` (and `inside`, `rest`, `remainder`) is what is left,
     in one or more parts, or none; `border` (and `all`) the strips, mitred, with the words of their
-    sides.
+    sides. A strip has axes of its own: x along its edge, y inward from it.
 
     front, side, back: widths at those edges, where not `distance`. area: all widths are multiplied
     by what leaves this area (to 1e-9 of the whole). Raises `GeometryError` for negative widths and
@@ -107,8 +114,8 @@ def setback(
         widths = widths * _factor(rings, widths, area)
     found = strips_of(rings, widths)
     pieces = [Piece(SHAPE, closed([rest], plane)) for rest in found.rest]
-    for words, strips in zip(_words(edges), found.strips, strict=True):
-        pieces.extend(Piece(BORDER | words, closed([strip], plane)) for strip in strips)
+    for words, axes, strips in zip(_words(edges), axes_of(edges), found.strips, strict=True):
+        pieces.extend(Piece(BORDER | words, closed([strip], plane), axes) for strip in strips)
     return pieces
 
 

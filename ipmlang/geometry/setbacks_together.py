@@ -13,7 +13,7 @@ import numpy as np
 
 from ipmlang.geometry.corners import THIN, Edges, Marks, corners_of, edges_of, length_of
 from ipmlang.geometry.pieces import Piece, numbered_rings
-from ipmlang.geometry.setbacks import BORDER, SHAPE, SIDES, sides_of
+from ipmlang.geometry.setbacks import BORDER, SHAPE, SIDES, axes_of, sides_of
 from ipmlang.geometry.solid import Floats, Indices, Solid
 from ipmlang.geometry.strips import all_moved_in, plain_strips
 
@@ -101,7 +101,7 @@ def _pieces(
     spatial[:, :2] = points
     spatial[:, 2] = np.repeat(np.repeat(heights, edges.counts), counts)
     ends = np.cumsum(counts).tolist()
-    wide, side = (widths > 0).tolist(), sides.tolist()
+    wide, side, axes = (widths > 0).tolist(), sides.tolist(), axes_of(edges)
     found: list[list[Piece] | None] = []
     edge = 0
     for polygon, ring, height, count in zip(polygons, moved, heights, edges.counts, strict=True):
@@ -113,7 +113,7 @@ def _pieces(
         for k in range(edge, edge + count):
             if wide[k]:
                 strip = spatial[ends[k] - counts[k] : ends[k]]
-                own.append(Piece(_BORDERS[side[k]], _within(polygon, strip)))
+                own.append(Piece(_BORDERS[side[k]], _within(polygon, strip), axes[k]))
         found.append(own)
         edge += count
     return found

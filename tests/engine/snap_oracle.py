@@ -43,15 +43,22 @@ def _least(
     reach: float,
     length: float,
 ) -> float:
-    """The move of a block of cuts: the least one, of the lowest cut, to the lower line."""
-    best = None
+    """The move of a block of cuts: the most of them to lines, then the least, then the lower."""
+    tiny = TINY * length
+    moves: list[float] = []
     for cut in cuts:
-        for line in sorted(lines):
+        low = max((line for line in lines if line <= cut + tiny), default=None)
+        high = min((line for line in lines if line > cut + tiny), default=None)
+        for line in (low, high):
+            if line is None:
+                continue
             by = line - cut
-            if abs(by) >= (below if by < 0 else above) - TINY * length:
-                continue
-            if abs(by) > reach + TINY * length:
-                continue
-            if best is None or abs(by) < abs(best) - TINY * length:
-                best = by
-    return 0.0 if best is None else best
+            room = below if by < 0 else above
+            if abs(by) < room - tiny and abs(by) <= reach + tiny:
+                moves.append(by)
+    best, most = 0.0, 0
+    for by in sorted(moves, key=lambda each: (round(abs(each), 9), each)):
+        many = sum(any(abs(line - cut - by) <= tiny for line in lines) for cut in cuts)
+        if many > most:
+            best, most = by, many
+    return best

@@ -72,6 +72,14 @@ def test_absolute_pieces_move_and_keep_their_size() -> None:
     assert widths("{ 3: B }*", [3.1], 10) == [[0, 3], [3, 3], [6, 3]]
 
 
+def test_a_piece_comes_to_lie_on_one_that_is_as_large() -> None:
+    """Both of its cuts come to lines, though one alone would have less far to go."""
+    assert widths("~1: B | 2: B | ~1: B", [6.1, 8.1], 12) == [[0, 6.1], [6.1, 2], [8.1, 3.9]]
+    assert widths("~1: B | 2: B | ~1: B", [6.1, 8.2], 12) == [[0, 4.1], [4.1, 2], [6.1, 5.9]]
+    assert widths("~1: B | 2: B | ~1: B", [7.4, 9.4], 12) == [[0, 7.4], [7.4, 2], [9.4, 2.6]]
+    assert widths("~1: B | 2: B | ~1: B", [7.4, 9.5], 12) == [[0, 5.4], [5.4, 2], [7.4, 4.6]]
+
+
 def test_copies_of_repeats_snap_and_know_their_numbers() -> None:
     scene = run(
         f"A --> {made([3.6, 6.2])} phase(2) S\n"

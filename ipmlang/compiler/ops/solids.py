@@ -104,12 +104,13 @@ TAKING_APART = (
             "across the same direction, wherever they were made; with `within` a label, of those "
             "alone that descend from the same shape of that label as this one. Floating and "
             "relative pieces on either side of a cut give way; absolute ones keep their size, so "
-            "that they and the cuts around them move together, by the least distance that brings "
-            "one of these cuts to a line, or not at all where nothing on one of their sides gives "
-            "way. A cut moves by less than half of the piece that it moves into, and by no more "
-            "than `reach`: so pieces keep their order and none vanishes. Of two lines or cuts that "
-            "are equally near the lower one counts. Copies of repeats snap like other pieces, and "
-            "the ends of the shape never move. An empty name snaps to nothing.",
+            "that they and the cuts around them move together, or not at all where nothing on one "
+            "of their sides gives way: of the moves that bring one of these cuts to a line next to "
+            "it, by the one that brings the most of them to lines, then the shortest. Of moves "
+            "that are equally long the one toward the start counts. A cut moves by less than half "
+            "of the piece that it moves into, and by no more than `reach`: so pieces keep their "
+            "order and none vanishes. Copies of repeats snap like other pieces, and the ends of "
+            "the shape never move. An empty name snaps to nothing.",
             ((), (Param("snap", "string", named=True), number("within", "string"),
                   number("reach"))),
             ("split y { 4.4: Ground | { ~3.2: Floor }* | 0.6: Cornice }",
@@ -121,7 +122,8 @@ TAKING_APART = (
              'split area(snap: "bay") { 3: A }'),
             act="pieces", family="split", axes=("x", "y", "z", "u", "v", "area")),
     _solid("setback", "Cut a strip off along the edges; `shape` takes the rest, `border` the "
-                      "strips.",
+                      "strips. The rest keeps the axes of the shape; a strip's x runs along its "
+                      "edge, its y inward from it.",
            ((Param("distance"), number("front"), number("side"), number("back"), number("area")),),
            ("setback(2) { shape: Mass | border: Lawn }", "setback(2, front: 4) { shape: Mass }"),
            ("setback { shape: Mass }", "setback(2) { middle: Mass }"), labels=(*_SIDES, *_ARMS)),
@@ -159,7 +161,10 @@ TAKING_APART = (
            ("reverseNormals(1)",)),
     _solid("convert", "Turn the geometry into its box, its outline or its faces' plane.",
            ((words("to", "box", "outline", "plane"),),), ("convert(box) Mass",), ("convert(9)",)),
-    _solid("scatter", "Place points at random on the surface, in the volume or in the scope.",
+    _solid("scatter", "Place points at random on the surface, in the volume or in the scope. A "
+                      "point has the axes of the shape, no extent and no geometry: a symbol that "
+                      "nothing defines draws nothing there, so insert an asset, or give it both: "
+                      "size(1, 1, 1) cube Crate.",
            ((Param("count", "int"), words("over", "surface", "volume", "scope", named=True,
                                           optional=True)),),
            ("scatter(20, over: surface) Tree",), ("scatter",), spreads=True),

@@ -23,7 +23,7 @@ from ipmlang.runtime.queries.marks import FIELD, FIRST, PHASE
 from ipmlang.runtime.queries.totals import LABELS
 from ipmlang.runtime.scopes import boxes
 from ipmlang.runtime.scopes.boxes import AXES, SIZES, State, full
-from ipmlang.runtime.scopes.cuts import Pieces, moved, together
+from ipmlang.runtime.scopes.cuts import Beside, Pieces, moved, together
 from ipmlang.runtime.scopes.pieces import Batched
 from ipmlang.runtime.scopes.pool import SNAP, Load
 from ipmlang.runtime.scopes.scoping import Rows
@@ -166,9 +166,9 @@ class Snapping(Asking):
         rows = np.arange(count) if shown is None else shown
         self._check_snap(names[rows], reach[rows])
         own = {name: full(value, count) for name, value in state.items()}
-        below, above = self._lines_beside(axis, pieces, names, within, own)
+        beside = self._beside(axis, names, within, own)
         reach = np.where(np.isnan(reach), np.inf, reach)
-        low, size = moved(pieces, below, above, reach[pieces.row], extent[pieces.row])
+        low, size = moved(pieces, beside, reach[pieces.row], extent[pieces.row])
         index, many = _numbered(pieces.row)
         found = []
         for part in range(parts):
@@ -191,33 +191,31 @@ class Snapping(Asking):
             raise self.counted.error("out-of-range", "`reach` of `split` must be 0 or more")
         self._asked.update((self.counted.rule, self.phase, name) for name in asked)
 
-    def _lines_beside(
-        self,
-        axis: int,
-        pieces: Pieces,
-        names: Floats,
-        within: Floats,
-        state: Mapping[str, Floats],
-    ) -> tuple[Floats, Floats]:
-        """The lines next to each cut, in the coordinates of the scopes."""
-        cuts = pieces.cuts
-        below, above = np.full(len(cuts), -np.inf), np.full(len(cuts), np.inf)
+    def _beside(
+        self, axis: int, names: Floats, within: Floats, state: Mapping[str, Floats]
+    ) -> Beside:
+        """Who knows the lines next to places along an axis of scopes, in their coordinates."""
         origin, along, scale = _axis(state, axis)
         mark = state[FIELD].astype(np.int64)
         labels = np.where(np.isnan(within), -1, within).astype(np.int64)
-        owner = pieces.row[cuts]
-        for label in distinct(labels[owner])[0].tolist():
-            standing = self._seen_within(int(label))
-            own = np.flatnonzero(labels[owner] == label)
-            if standing is None:
-                continue
-            group = self._groups(mark, int(label))
-            family = np.where(group >= 0, names.astype(np.int64) * MANY + group, -1)
-            row = owner[own]
-            at = pieces.low[cuts[own] + 1] * scale[row]
-            found = standing.beside(Axes(family, origin, along), row, at)
-            below[own], above[own] = found[0] / scale[row], found[1] / scale[row]
-        return below, above
+        known: list[tuple[int, Standing, Axes]] = []
+        for label in map(int, distinct(labels)[0].tolist()):
+            standing = self._seen_within(label)
+            if standing is not None:
+                group = self._groups(mark, label)
+                family = np.where(group >= 0, names.astype(np.int64) * MANY + group, -1)
+                known.append((label, standing, Axes(family, origin, along)))
+
+        def beside(row: Numbers, at: Floats) -> tuple[Floats, Floats]:
+            below, above = np.full(len(at), -np.inf), np.full(len(at), np.inf)
+            for label, standing, axes in known:
+                own = np.flatnonzero(labels[row] == label)
+                size = scale[row[own]]
+                found = standing.beside(axes, row[own], at[own] * size)
+                below[own], above[own] = found[0] / size, found[1] / size
+            return below, above
+
+        return beside
 
     def _part(
         self,
