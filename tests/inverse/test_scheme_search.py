@@ -46,12 +46,18 @@ def test_a_row_is_one_array() -> None:
     assert np.allclose(np.abs(array.directions[0].step), [2.5, 0, 0])
 
 
-def test_a_grid_with_uneven_steps_and_a_hole_is_one_array() -> None:
-    uneven = Direction(3, np.array([0.0, 0, 1]), (0.8, 0.7))
-    grid = Array(0, identity(), (Direction(5, np.array([1.5, 0, 0])), uneven), frozenset({(2, 1)}))
-    scheme = _checked(planted([wedge((0.4, 0.2, 0.5))], [[grid]]))
-    (array,) = _items(scheme, Array)
-    assert sorted(direction.count for direction in array.directions) == [3, 5]
+def test_a_grid_with_uneven_steps_is_one_array() -> None:
+    uneven = Direction(4, np.array([0.0, 0, 1]), (0.8, 0.7, 0.9))
+    grid = Array(0, identity(), (Direction(7, np.array([1.5, 0, 0])), uneven))
+    (array,) = _items(_checked(planted([wedge((0.4, 0.2, 0.5))], [[grid]])), Array)
+    assert sorted(direction.count for direction in array.directions) == [4, 7]
+    assert (0.8, 0.7, 0.9) in [direction.steps for direction in array.directions]
+
+
+def test_a_grid_with_a_hole_is_one_array() -> None:
+    sides = (Direction(6, np.array([1.5, 0, 0])), Direction(5, np.array([0.0, 0, 2])))
+    grid = Array(0, identity(), sides, frozenset({(2, 1)}))
+    (array,) = _items(_checked(planted([wedge((0.4, 0.2, 0.5))], [[grid]])), Array)
     assert len(array.holes) == 1
 
 

@@ -126,9 +126,12 @@ def _choices(place: Floats, label: Integers, error: float, each: float) -> Itera
         yield np.sort(np.unique(label[:, 0], return_index=True)[1])
         yield from _even(place[:, 0], error)
         return
-    rows = _full_box(label, each)
-    if len(rows) >= 3 and (np.ptp(label[rows], axis=0) > 0).all():
-        yield rows
+    before = -1
+    for hole in (float(place.shape[1]), 2 * each):  # with holes where they pay, and without
+        rows = _full_box(label, each, hole)
+        if len(rows) not in (before, 0, 1, 2) and (np.ptp(label[rows], axis=0) > 0).all():
+            before = len(rows)
+            yield rows
 
 
 def _even(along: Floats, error: float) -> Iterator[Integers]:
@@ -152,7 +155,7 @@ def _even(along: Floats, error: float) -> Iterator[Integers]:
                 yield order[best]
 
 
-def _full_box(label: Integers, each: float) -> Integers:
+def _full_box(label: Integers, each: float, hole: float) -> Integers:
     """Rows of the points in the fullest box of a lattice: sparse slices are peeled off."""
     rows = np.sort(np.unique(label, axis=0, return_index=True)[1])
     while True:  # a slice with a single point in it never pays
@@ -171,14 +174,14 @@ def _full_box(label: Integers, each: float) -> Integers:
         return np.zeros(0, np.int64)
     dense = np.zeros(shape, np.bool_)
     dense[tuple(index.T)] = True
-    kept = _peeled(dense, each)
+    kept = _peeled(dense, each, hole)
     inside = np.ones(len(rows), np.bool_)
     for axis, alive in enumerate(kept):
         inside &= alive[index[:, axis]]
     return rows[inside]
 
 
-def _peeled(dense: Flags, each: float) -> list[Flags]:
+def _peeled(dense: Flags, each: float, hole: float) -> list[Flags]:
     """Which slices along each axis are in the box that saves most tokens."""
     sizes, axes = dense.shape, dense.ndim
     alive = [np.ones(size, np.bool_) for size in sizes]
@@ -187,7 +190,7 @@ def _peeled(dense: Flags, each: float) -> list[Flags]:
     while True:
         whole = np.prod([own.sum() for own in alive])
         there = float(filled.sum())
-        gain = each * there - axes * (whole - there) - sum(2.0 * own.sum() for own in alive)
+        gain = each * there - hole * (whole - there) - sum(2.0 * own.sum() for own in alive)
         if gain > least:
             best, least = [own.copy() for own in alive], gain
         worst: tuple[float, int, int] | None = None
@@ -196,7 +199,7 @@ def _peeled(dense: Flags, each: float) -> list[Flags]:
                 continue
             others = tuple(a for a in range(axes) if a != axis)
             amount = filled.sum(axis=others)
-            value = each * amount - axes * (whole / own.sum() - amount)
+            value = each * amount - hole * (whole / own.sum() - amount)
             value[~own] = np.inf
             index = int(np.argmin(value))
             if worst is None or value[index] < worst[0]:

@@ -134,25 +134,27 @@ def _cornered(shape: Figure, low: Floats | None) -> Figure:
 
 def largest_error(parts: Parts, scheme: Scheme) -> float:
     """Units that a part is off at most; infinite where one is missing or too many."""
+    return float(errors(parts, scheme).max(initial=0.0))
+
+
+def errors(parts: Parts, scheme: Scheme) -> Floats:
+    """(n,) units that each part is off; infinite where one is missing or too many."""
     from scipy.spatial import cKDTree
 
     shape, frames = expand(scheme)
+    found = np.full(len(parts.shape), np.inf)
     if len(shape) != len(parts.shape):
-        return np.inf
-    worst = 0.0
+        return found
     for index, part in enumerate(parts.classes):
         own = frames[np.nonzero(shape == index)[0]]
-        figure = of_class(part)
         if len(own) != len(part.members):
-            return np.inf
+            return found
+        figure = of_class(part)
         points = probed(figure, own)
         there = parts.frames[part.members]
         tree = cKDTree(spread(there, figure.center[None])[:, 0])
-        near = tree.query(points[:, 0], k=min(4, len(own)))[1].reshape(len(own), -1)
+        near = np.asarray(tree.query(points[:, 0], k=min(4, len(own)))[1]).reshape(len(own), -1)
         error = np.stack([misses(figure, points, there[column])[0] for column in near.T], axis=1)
         best = np.argmin(error, axis=1)
-        chosen = near[np.arange(len(own)), best]
-        if len(np.unique(chosen)) < len(own):
-            return np.inf
-        worst = max(worst, float(error.min(axis=1).max()))
-    return worst
+        found[part.members[near[np.arange(len(own)), best]]] = error.min(axis=1)
+    return found

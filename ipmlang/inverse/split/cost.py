@@ -11,9 +11,11 @@ from typing import assert_never
 import numpy as np
 
 from ipmlang.inverse.frames import Floats, Frames, Integers
+from ipmlang.inverse.split.listing import every_token
 from ipmlang.inverse.split.scheme import (
     Array,
     Cell,
+    Direction,
     Item,
     Octant,
     Place,
@@ -26,12 +28,15 @@ from ipmlang.inverse.split.scheme import (
 
 SMALL = 1e-9  # what is printed as nothing at all, in degrees or as a ratio
 HEAD = 2  # `Name -->`
-LOOP = 9  # `repeat(i < n) { … }`
+LOOP = 8  # `repeat(i < n) { … }`
+STEP = 4  # `+ d * i`
+TABLE = 6  # `table T(at) =`
+EXCEPT = 3  # `except (…)`
 AROUND = 3  # `[… A]`
 VECTOR = 6  # `translate(x, y, z)` without signs
 SPLIT = 4  # `split x { … }`
 OCTANT = 7  # `octant(x, y, z, 1)`
-ASSET = 4  # `asset a = "…"`
+ASSET = 1  # one more name in `asset a, b, c in "…"`
 
 
 def placement_tokens(frames: Frames, small: float) -> Integers:
@@ -59,16 +64,14 @@ def item_tokens(item: Item, small: float) -> int:
     """Tokens of an item in a rule's body."""
     match item:
         case Place():
-            stretched = 0 if item.stretch is None else (VECTOR + 3) * len(item.frames)
-            return int(placement_tokens(item.frames, small).sum()) + stretched
+            alone = placement_tokens(item.frames, small)
+            if item.stretch is not None:
+                return int(alone.sum()) + (VECTOR + 3) * len(item.frames)
+            return every_token(item.frames, alone, small)
         case Array():
             return _array_tokens(item, small)
         case Ring():
-            own = int(placement_tokens(item.first, small)[0])
-            center = VECTOR if float(np.abs(item.center).max()) > small else 0
-            rise = 4 if abs(item.rise) > small else 0
-            growth = 4 if abs(item.growth - 1) > SMALL else 0
-            return LOOP + AROUND + VECTOR + 2 + own + center + rise + growth + len(item.holes)
+            return _ring_tokens(item, small)
         case Split():
             return SPLIT + sum(_cell_tokens(cell) for cell in item.cells) + len(item.cells) - 1
         case Octant():
@@ -81,11 +84,37 @@ def item_tokens(item: Item, small: float) -> int:
 
 def _array_tokens(array: Array, small: float) -> int:
     own = int(placement_tokens(array.first, small)[0])
-    step = sum(
-        LOOP + 2 * int((np.abs(direction.step) > small).sum()) + 2 * len(direction.steps)
-        for direction in array.directions
-    )
-    return AROUND + VECTOR + own + step + len(array.holes) * len(array.directions)
+    if float(np.abs(array.first.position).max()) <= small:
+        own += VECTOR if own > 1 else VECTOR + AROUND - 1
+    loops = [_loop_tokens(each, small) for each in array.directions]
+    if not array.holes:
+        return own + sum(loops)
+    if len(loops) == 1 or not any(direction.steps for direction in array.directions):
+        through = 8 * (len(loops) - 1)
+        return own + sum(loops) + EXCEPT + len(array.holes) + through
+    rows = len({hole[1:] for hole in array.holes})  # these are written again, with what is left out
+    again = rows * (own + loops[0] + EXCEPT + 1) + len(array.holes)
+    return own + sum(loops) + EXCEPT + again
+
+
+def _loop_tokens(direction: Direction, small: float) -> int:
+    moved = int((np.abs(direction.step) > small).sum())
+    if not direction.steps:
+        return LOOP + STEP * moved
+    straight = int((np.abs(np.abs(direction.step) - 1) < SMALL).sum())
+    return LOOP + STEP * moved - 2 * straight + TABLE + 3 * direction.count
+
+
+def _ring_tokens(ring: Ring, small: float) -> int:
+    upright = float(ring.axis[2]) > 1 - SMALL
+    center = float(np.abs(ring.center).max()) > small
+    outer = 2 * (center or not upright) + VECTOR * center + (VECTOR + 1) * (not upright)
+    placed = int(placement_tokens(ring.first, small)[0])
+    inner = VECTOR + 2 + AROUND + max(placed - AROUND, 0) + (VECTOR + 1) * (not upright)
+    rise = VECTOR + 2 if abs(ring.rise) > small else 0
+    growth = VECTOR + 2 if abs(ring.growth - 1) > SMALL else 0
+    holes = EXCEPT + len(ring.holes) if ring.holes else 0
+    return LOOP + outer + inner + rise + growth + holes
 
 
 def _cell_tokens(cell: Cell) -> int:

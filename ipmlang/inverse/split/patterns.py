@@ -17,12 +17,15 @@ from ipmlang.inverse.split.cost import item_tokens, placement_tokens
 from ipmlang.inverse.split.drafts import Limits
 from ipmlang.inverse.split.expansion import placements
 from ipmlang.inverse.split.figures import Figure, alternatives, misses, probed, simplest
+from ipmlang.inverse.split.listing import Listing, list_tokens, listing
 from ipmlang.inverse.split.rings import rings
 from ipmlang.inverse.split.scheme import Array, Item, Place
 from ipmlang.inverse.split.snapping import Flags, label_rows, members, snap_columns
 
 LEAST = 2.0  # tokens that a pattern has to save
 MOST = 40  # patterns of one symbol in one body
+CLOSELY = 12  # patterns whose gain is worked out exactly
+FEWEST = 3  # copies that may be a pattern
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,9 +38,10 @@ class Arranged:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Found:
-    """gain: tokens that an item saves; rows: which placements it stands for."""
+    """gain: tokens that an item saves at most; tokens: it takes; rows: placements it stands for."""
 
     gain: float
+    tokens: int
     rows: Integers
     item: Item
 
@@ -68,19 +72,37 @@ def arranged(
 def _arranged(shape: Figure, frames: Frames, symbol: int, limits: Limits) -> Arranged:
     plainest = simplest(shape, frames, limits.small)
     alone = placement_tokens(plainest, limits.small)
+    every = np.arange(len(frames))
+    if len(frames) < FEWEST:
+        return Arranged((Place(symbol, plainest),), int(alone.sum()))
+    listed = listing(plainest, alone, limits.small)
     groups = _turned_alike(shape, plainest, limits)
     left = np.ones(len(frames), np.bool_)
     items: list[Item] = []
     pool = _found(shape, plainest, groups, alone, left, symbol, limits)
     while pool and len(items) < MOST:
-        best = max(pool, key=lambda found: (found.gain, -int(found.rows[0])))
+        best = _best(pool, listed, every[left])
+        if best is None:
+            break
         items.append(best.item)
         left[best.rows] = False
         again = [found for found in pool if left[found.rows].all()]
         pool = again or _found(shape, plainest, groups, alone, left, symbol, limits)
     if left.any():
-        items.append(Place(symbol, plainest[np.nonzero(left)[0]]))
+        items.append(Place(symbol, plainest[every[left]]))
     return Arranged(tuple(items), sum(item_tokens(item, limits.small) for item in items))
+
+
+def _best(pool: list[Found], listed: Listing, rows: Integers) -> Found | None:
+    """The pattern that saves most of what a list of these rows takes."""
+    now = list_tokens(listed, rows)
+    best, most = None, LEAST
+    for found in sorted(pool, key=lambda each: -each.gain)[:CLOSELY]:
+        rest = np.setdiff1d(rows, found.rows, assume_unique=True)
+        gain = now - list_tokens(listed, rest) - found.tokens
+        if gain >= most:
+            best, most = found, gain + 1e-6
+    return best
 
 
 def _turned_alike(shape: Figure, frames: Frames, limits: Limits) -> list[tuple[Integers, Frames]]:
@@ -117,9 +139,10 @@ def _found(
         pool += _arrays(shape, own[kept], rows[kept], alone, symbol, limits)
     rest = np.nonzero(left)[0]
     for rows, ring in rings(shape, frames[rest], symbol, limits.error):
-        gain = float(alone[rest[rows]].sum()) - item_tokens(ring, limits.small)
+        tokens = item_tokens(ring, limits.small)
+        gain = float(alone[rest[rows]].sum()) - tokens
         if gain >= LEAST:
-            pool.append(Found(gain, rest[rows], ring))
+            pool.append(Found(gain, tokens, rest[rows], ring))
     return pool
 
 
@@ -132,9 +155,10 @@ def _arrays(
     pool = []
     for lattice in lattices(frames.position, limits.error / 2, each):
         item = _array(frames, lattice, symbol)
-        gain = float(alone[rows[lattice.rows]].sum()) - item_tokens(item, limits.small)
+        tokens = item_tokens(item, limits.small)
+        gain = float(alone[rows[lattice.rows]].sum()) - tokens
         if gain >= LEAST and _exact(shape, frames, lattice, item, limits):
-            pool.append(Found(gain, rows[lattice.rows], item))
+            pool.append(Found(gain, tokens, rows[lattice.rows], item))
     return pool
 
 

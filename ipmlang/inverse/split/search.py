@@ -7,13 +7,14 @@ counted in lookups, so that the same parts give the same scheme everywhere. Noth
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from ipmlang.inverse.frames import Floats, Integers
 from ipmlang.inverse.parts.observation import Parts
-from ipmlang.inverse.split.assembly import assembled, flat, largest_error
+from ipmlang.inverse.split.assembly import assembled, errors, flat
 from ipmlang.inverse.split.cost import HEAD, scheme_tokens
 from ipmlang.inverse.split.drafts import Draft, Limits, Motif, first_draft, with_motif
 from ipmlang.inverse.split.fields import Field, field_of
@@ -26,9 +27,9 @@ from ipmlang.inverse.split.seeds import Edges, edges_of, labels_by_promise, seed
 from ipmlang.inverse.split.snapping import Flags, label_rows, members
 from ipmlang.inverse.split.wholes import wholes
 
-EXACT = 2e-7  # share of the diagonal that a placement may be off
-PROVEN = 1e-6  # the same for everything together
-NOTHING = 1e-9  # share of the diagonal that is printed as nothing
+PROVEN = 1e-6  # share of the diagonal that anything may be off
+SHARES = (0.7, 0.35, 0.15, 0.05)  # of that, what a placement may be off, in turn
+NOTHING = 0.1  # of that, what is printed as nothing
 LEAST = 2.0  # tokens that a rule has to save
 TRIED = 10  # candidates of a round that are priced exactly
 ROUNDS = 60
@@ -41,16 +42,24 @@ def shortest(parts: Parts, error: float | None = None, work: int = WORK) -> Sche
     error: units that a part may be off, None for what counts as exact; work: lookups after which
     the best so far is given.
     """
+    return next(schemes(parts, error, work))
+
+
+def schemes(parts: Parts, error: float | None = None, work: int = WORK) -> Iterator[Scheme]:
+    """Schemes that should do, the ones that take more liberties first; the last has no rules.
+
+    How far parts are from their shapes counts too, but only a proof knows in which direction.
+    """
     bound = PROVEN * parts.diagonal if error is None else error
-    own = EXACT * parts.diagonal if error is None else error / 4
     plain = flat(parts)
-    for share in (1.0, 0.25, 0.05):
-        limits = Limits(own * share, NOTHING * parts.diagonal)
+    for share in SHARES:
+        limits = Limits(share * bound, NOTHING * bound)
         found = _searched(parts, limits, work)
-        if largest_error(parts, found) <= bound:
+        off = np.hypot(errors(parts, found), parts.misfit)
+        if off.max(initial=0.0) <= bound:
             small = limits.small
-            return min((found, plain), key=lambda scheme: scheme_tokens(scheme, small))
-    return plain
+            yield min((found, plain), key=lambda scheme: scheme_tokens(scheme, small))
+    yield plain
 
 
 def _searched(parts: Parts, limits: Limits, work: int) -> Scheme:
