@@ -10,9 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ipmlang.inverse.frames import Floats, Integers
 from ipmlang.inverse.parts.copies import Copies, Model, Truths, in_same_order, matched
+from ipmlang.inverse.parts.invariants import mixed
 
 _TRIES = 256  # maps that are tried for one part
 _BATCH = 1_000_000  # points compared at a time
@@ -143,22 +145,15 @@ class Anchor:
         lengths = _lengths(copies)[0]
         points = copies.points[0][copies.corners[0]]
         ahead = points[copies.after[0]]
-        lever = np.linalg.norm(np.cross(points, ahead), axis=1)
-        reach = float(np.linalg.norm(points, axis=1).max())
+        lever = _lever(points, ahead)
+        reach = float(lengths[:, 0].max())
         if lever.max() <= max(1e-9 * reach, model.tolerance) * reach:
             return None
         fit = np.flatnonzero(lever >= 0.3 * lever.max())
         unit = max(64 * model.tolerance, 1e-6 * reach)
-        rounded = np.rint(lengths / unit)
-        mirror = rounded[:, [0, 2, 1, 4, 3]]
-        # A corner and its mirror image are counted together.
-        kind = np.where((rounded > mirror)[:, 1:2] | ((rounded == mirror)[:, 1:2] & (rounded > mirror)[:, 3:4]), rounded, mirror)
-        _, label, count = np.unique(
-            np.concatenate([kind, copies.look[0].astype(np.float64)[:, None]], axis=1),
-            axis=0, return_inverse=True, return_counts=True,
-        )  # fmt: skip
-        often = count[label.reshape(-1)[fit]]
-        best = int(fit[np.lexsort([np.arange(len(fit)), -np.round(lever[fit] / lever.max(), 3), often])[0]])
+        often = _how_often(np.rint(lengths / unit), copies.look[0])[fit]
+        wide = np.round(lever[fit] / lever.max(), 3)
+        best = int(fit[np.lexsort([-wide, often])[0]])
         far = max(np.linalg.norm(points[best]), np.linalg.norm(ahead[best]))
         slack = 4 * model.tolerance * reach * far / lever[best]
         axes = _axes(points[best][None], ahead[best][None], np.ones(1))[0]
@@ -187,25 +182,37 @@ class Anchor:
         return _axes(points, ahead, np.where(forward, 1.0, -1.0)) @ self.axes.T
 
 
+def _lever(points: Floats, ahead: Floats) -> Floats:
+    """The lengths (c,) of cross products: what a corner and the next one span with the centre."""
+    product = np.einsum("ci,ci->c", points, ahead)
+    square = np.einsum("ci,ci->c", points, points) * np.einsum("ci,ci->c", ahead, ahead)
+    return np.asarray(np.sqrt(np.maximum(square - product**2, 0.0)))
+
+
 def _lengths(copies: Copies) -> Floats:
     """What corners (k, c, 5) are known by: how far from the centre they and their neighbours are,
     and from these.
     """
-    points = np.take_along_axis(copies.points, copies.corners[..., None], 1)
-    ahead = np.take_along_axis(points, copies.after[..., None], 1)
-    behind = np.take_along_axis(points, copies.before[..., None], 1)
-    far = np.linalg.norm(points, axis=2)
-    edge = np.linalg.norm(ahead - points, axis=2)
-    return np.stack(
-        [
-            far,
-            edge,
-            np.take_along_axis(edge, copies.before, 1),
-            np.take_along_axis(far, copies.after, 1),
-            np.take_along_axis(far, copies.before, 1),
-        ],
-        axis=2,
-    ) if behind.size else np.zeros((*far.shape, 5))
+    row = np.arange(len(copies))[:, None]
+    points = copies.points[row, copies.corners]
+    ahead = points[row, copies.after] - points
+    far = np.sqrt(np.einsum("kci,kci->kc", points, points))
+    edge = np.sqrt(np.einsum("kci,kci->kc", ahead, ahead))
+    after, before = copies.after, copies.before
+    columns = (far, edge, edge[row, before], far[row, after], far[row, before])
+    return np.stack(columns, axis=2)
+
+
+def _how_often(lengths: Floats, look: NDArray[np.uint64]) -> Integers:
+    """How many corners are like each, its mirror images among them."""
+    columns = lengths.astype(np.int64).view(np.uint64)
+    far, ahead, behind, next_far, last_far = columns.T
+    # What stands before and after a corner counts alike.
+    sides = mixed(mixed(ahead) ^ next_far) + mixed(mixed(behind) ^ last_far)
+    _, kind, count = np.unique(
+        mixed(far) + mixed(sides) ^ look, return_inverse=True, return_counts=True
+    )
+    return np.asarray(count[kind])
 
 
 def _axes(first: Floats, second: Floats, sign: Floats) -> Floats:

@@ -13,7 +13,7 @@ import numpy as np
 
 from ipmlang.inverse.frames import Floats, Integers
 from ipmlang.inverse.parts.aligning import SelfMaps, aligned, self_maps, turns
-from ipmlang.inverse.parts.copies import Model, model_of, stacked
+from ipmlang.inverse.parts.copies import Model, stacked
 from ipmlang.inverse.parts.invariants import alike, centers
 from ipmlang.inverse.parts.pieces import Pieces
 from ipmlang.inverse.parts.plainest import plainest, snapped
@@ -68,7 +68,7 @@ def _first_class(
 ) -> tuple[ShapeClass, Integers]:
     """The class of the first of the rows, and the rows that are not of it."""
     copies = stacked(pieces, center, rows)
-    model = model_of(copies, 0, tolerance)
+    model = Model(copies[:1], tolerance)
     own = self_maps(model, MOST_SYMMETRY)
     if len(rows) == 1:
         whole = ShapeClass(rows, int(rows[0]), np.eye(3)[None], own.linear, own.whole, np.zeros(1))

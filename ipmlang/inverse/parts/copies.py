@@ -8,7 +8,8 @@ parts' centres. Nothing is searched here.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeAlias
+from functools import cached_property
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,9 @@ from numpy.typing import NDArray
 from ipmlang.inverse.frames import Floats, Integers
 from ipmlang.inverse.parts.invariants import UV_TOLERANCE, mixed
 from ipmlang.inverse.parts.pieces import Pieces
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 Truths: TypeAlias = NDArray[np.bool_]
 
@@ -76,33 +80,49 @@ def stacked(pieces: Pieces, center: Floats, rows: Integers) -> Copies:
     )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
 class Model:
-    """The part that others are compared with, one row, and what is asked of it again and again.
-
-    keys, order (c,): its corners' hashes in order, and which corner is where in that order.
+    """The part that others are compared with: a stack of one row, how far apart points may be, and
+    what is asked of it again and again, made when it is first asked for.
     """
 
-    copies: Copies
-    tree: object
-    keys: NDArray[np.uint64]
-    order: Integers
-    tolerance: float
+    def __init__(self, copies: Copies, tolerance: float) -> None:
+        self.copies = copies
+        self.tolerance = tolerance
 
+    @cached_property
+    def keys(self) -> NDArray[np.uint64]:
+        """The hashes (c,) of its corners, in order."""
+        return self._sorted[0][0]
 
-def model_of(copies: Copies, row: int, tolerance: float) -> Model:
-    """One row as the model."""
-    from scipy.spatial import cKDTree
+    @cached_property
+    def order(self) -> Integers:
+        """Which corner (c,) is where in that order."""
+        return self._sorted[1][0]
 
-    one = copies[np.array([row])]
-    keys, order = _corner_keys(one, one.corners, np.ones(1, np.bool_))
-    return Model(one, cKDTree(one.points[0]), keys[0], order[0], tolerance)
+    @cached_property
+    def _sorted(self) -> tuple[NDArray[np.uint64], Integers]:
+        return _corner_keys(self.copies, self.copies.corners, np.ones(1, np.bool_))
+
+    @cached_property
+    def _tree(self) -> cKDTree:
+        from scipy.spatial import cKDTree
+
+        return cKDTree(self.copies.points[0])
+
+    def nearest(self, points: Floats, reach: float) -> tuple[Truths, Integers]:
+        """Rows (k,) of points (k, v, 3) that all have a vertex within reach, and which (k, v)."""
+        if not points.size:
+            return np.zeros(len(points), np.bool_), np.zeros(points.shape[:2], np.int64)
+        apart, index = self._tree.query(points, distance_upper_bound=reach * (1 + 1e-9) + 1e-300)
+        close: Truths = np.isfinite(apart).all(axis=1)
+        return close, np.asarray(index, np.int64)
 
 
 def in_same_order(model: Model, copies: Copies, linear: Floats) -> Truths:
     """Which rows are the model under maps (k, 3, 3) that do not mirror, with all in its order."""
     one = model.copies
-    kept = (copies.corners == one.corners).all(1) & (copies.look == one.look).all(1)
+    kept: Truths = (copies.corners == one.corners).all(axis=1)
+    kept &= (copies.look == one.look).all(axis=1)
     kept &= (copies.begin == one.begin).all(1)
     rows = np.flatnonzero(kept)
     off = copies.points[rows] @ linear[rows] - one.points
@@ -140,27 +160,16 @@ def _nearest(model: Model, points: Floats, reach: float) -> tuple[Truths, Intege
     """Rows whose points are the model's one by one, and the model's vertex for each point."""
     count, size = points.shape[:2]
     probe = np.linspace(0, size - 1, min(size, 24)).astype(np.int64)
-    near = np.ones(count, np.bool_)
+    near: Truths = np.ones(count, np.bool_)
     vertex = np.zeros((count, size), np.int64)
     if size > 2 * len(probe):
-        near, _ = _within(model, points[:, probe], reach)
+        near, _ = model.nearest(points[:, probe], reach)
     rows = np.flatnonzero(near)
-    close, found = _within(model, points[rows], reach)
+    close, found = model.nearest(points[rows], reach)
     whole = (np.sort(found, axis=1) == np.arange(size)).all(axis=1)
     near[rows] = close & whole
     vertex[rows] = found
     return near, vertex
-
-
-def _within(model: Model, points: Floats, reach: float) -> tuple[Truths, Integers]:
-    from scipy.spatial import cKDTree
-
-    tree = model.tree
-    assert isinstance(tree, cKDTree)
-    if not points.size:
-        return np.zeros(len(points), np.bool_), np.zeros(points.shape[:2], np.int64)
-    apart, index = tree.query(points, distance_upper_bound=reach * (1 + 1e-9) + 1e-300)
-    return np.isfinite(apart).all(axis=1), np.asarray(index, np.int64)
 
 
 def _corner_keys(

@@ -60,10 +60,11 @@ def _lengths(pieces: Pieces, center: Floats) -> Floats:
     the principal axes, and distances from the centre.
     """
     counts = np.diff(pieces.corner_start)
-    arm = pieces.vertices[pieces.corners] - np.repeat(center, counts, axis=0)
-    square = np.einsum("ij,ij->i", arm, arm)
-    outer = (arm[:, :, None] * arm[:, None, :]).reshape(-1, 9)
-    spread = sums(outer, pieces.corner_start).reshape(-1, 3, 3) / counts[:, None, None]
+    arm = (pieces.vertices[pieces.corners] - np.repeat(center, counts, axis=0)).T.copy()
+    square = (arm**2).sum(axis=0)
+    spread = np.empty((len(pieces), 3, 3))
+    for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)):
+        spread[:, i, j] = spread[:, j, i] = sums(arm[i] * arm[j], pieces.corner_start) / counts
     axes = np.sqrt(np.maximum(np.linalg.eigvalsh(spread), 0.0))
     largest = np.maximum.reduceat(square, pieces.corner_start[:-1])
     smallest = np.minimum.reduceat(square, pieces.corner_start[:-1])

@@ -16,7 +16,7 @@ from ipmlang.formats.drawing import Note
 from ipmlang.formats.mesh_types import Mesh, chosen_faces
 from ipmlang.inverse.frames import Floats, Integers
 from ipmlang.inverse.parts.invariants import mixed
-from ipmlang.inverse.parts.pieces import neighbours
+from ipmlang.inverse.parts.pieces import neighbours, sums
 from ipmlang.inverse.parts.welding import linked
 
 _FLAT = 1e-9  # of the diagonal: faces that are less high show nothing
@@ -58,7 +58,10 @@ def area_vectors(mesh: Mesh) -> Floats:
     points = mesh.vertices[mesh.corners]
     arm = points - np.repeat(points[mesh.offsets[:-1]], np.diff(mesh.offsets), axis=0)
     after, _ = neighbours(mesh.offsets)
-    return np.asarray(np.add.reduceat(np.cross(arm, arm[after]), mesh.offsets[:-1]) / 2)
+    x, y, z = arm.T.copy()
+    u, v, w = x[after], y[after], z[after]
+    crossed = np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1)
+    return sums(crossed, mesh.offsets) / 2
 
 
 def _without_area(mesh: Mesh, same: Integers, diagonal: float) -> NDArray[np.bool_]:
@@ -132,10 +135,10 @@ def _across(mesh: Mesh, same: Integers, owner: Integers) -> tuple[Integers, NDAr
     here = same[mesh.corners] + owner[face] * (int(same.max()) + 1)
     there = here[after]
     low, high = np.minimum(here, there), np.maximum(here, there)
-    order = np.lexsort([high, low])
-    low, high = low[order], high[order]
-    new = np.concatenate([[True], (np.diff(low) != 0) | (np.diff(high) != 0)])
-    starts = np.flatnonzero(new)
+    edge = mixed(mixed(low.astype(np.uint64)) ^ high.astype(np.uint64))
+    order = np.argsort(edge, kind="stable")
+    edge = edge[order]
+    starts = np.flatnonzero(np.concatenate([[True], edge[1:] != edge[:-1]]))
     two = starts[np.diff(np.append(starts, len(order))) == 2]
     first, second = order[two], order[two + 1]
     return np.stack([face[first], face[second]], axis=1), here[first] != here[second]

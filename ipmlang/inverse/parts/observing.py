@@ -23,6 +23,7 @@ from ipmlang.inverse.parts.mending import sound
 from ipmlang.inverse.parts.naming import class_names
 from ipmlang.inverse.parts.observation import PartClass, Parts
 from ipmlang.inverse.parts.pieces import Pieces, piece_mesh, sorted_pieces
+from ipmlang.inverse.parts.segmenting import segmented
 from ipmlang.inverse.parts.soup import Soup, gathered
 from ipmlang.inverse.parts.upward import upward
 from ipmlang.inverse.parts.welding import connected_faces, welded
@@ -97,6 +98,7 @@ def _taken_apart(
         hint = "; ".join(f"{note.message} ({note.count})" for note in (*said, *mended))
         raise FormatError("no face of the model has an area", hint=hint)
     _, part = np.unique(part[kept], return_inverse=True)
+    part, cut = segmented(better, same, part, diagonal, within * diagonal)
     pieces = sorted_pieces(better, same, part, keep_uv)
     found = classified(pieces, within * diagonal)
     told = _told(replace(soup, mesh=better), pieces, found, diagonal, stem)
@@ -104,7 +106,7 @@ def _taken_apart(
         told,
         triangles=int((np.diff(mesh.offsets) - 2).sum()),
         vertices=len(mesh.vertices),
-        notes=(*said, *_unused(mesh), *mended, *told.notes),
+        notes=(*said, *_unused(mesh), *mended, *cut, *told.notes),
     )
     return parts, better
 

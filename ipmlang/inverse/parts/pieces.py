@@ -8,6 +8,7 @@ vertices are those of the file.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,9 @@ from numpy.typing import NDArray
 from ipmlang.formats.mesh_types import Mesh
 from ipmlang.inverse.frames import Floats, Integers
 from ipmlang.inverse.parts.soup import corners_of
+
+
+Number = TypeVar("Number", np.float64, np.int64, np.uint64)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,9 +104,12 @@ def neighbours(offsets: Integers) -> tuple[Integers, Integers]:
     return after, before
 
 
-def sums(values: NDArray[np.generic], starts: Integers) -> NDArray[np.generic]:
+def sums(values: NDArray[Number], starts: Integers) -> NDArray[Number]:
     """Sums of rows between starts (n + 1,), none of them empty."""
-    return np.add.reduceat(values, starts[:-1], axis=0)
+    if values.ndim == 1:
+        return np.add.reduceat(values, starts[:-1])
+    # Column by column is several times quicker than rows of three.
+    return np.stack([np.add.reduceat(each, starts[:-1]) for each in values.T.copy()], axis=1)
 
 
 def piece_mesh(pieces: Pieces, part: int, like: Mesh) -> Mesh:

@@ -1,0 +1,145 @@
+"""Ways to cut what hangs together: where the file's own vertices part, where more than two faces
+meet, along creases that fold in or out, and along planes that no face crosses.
+
+Takes faces of one or more parts; each way gives every face the label of the piece it would belong
+to, in batches over all faces. Whether a cut is worth it is decided elsewhere; nothing is cut here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.formats.mesh_types import Mesh
+from ipmlang.inverse.frames import Floats, Integers
+from ipmlang.inverse.parts.invariants import mixed
+from ipmlang.inverse.parts.mending import area_vectors
+from ipmlang.inverse.parts.pieces import neighbours, sums
+from ipmlang.inverse.parts.welding import linked
+
+_CREASE = np.cos(np.radians(25.0))
+_ONE_PLANE = np.cos(np.radians(0.5))
+_PLANE = 1e-6  # share of the diagonal by which faces may reach over a plane
+
+
+Truths: TypeAlias = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sheet:
+    """Faces with what cuts ask of them. part (f,); pairs (p, 2) of faces of one part that alone
+    share an edge; bend (p,): 0 where they go on smoothly, 1 where the edge stands out, -1 where it
+    lies in; flat (p,): whether they lie in one plane.
+    """
+
+    mesh: Mesh
+    part: Integers
+    pairs: Integers
+    bend: Integers
+    flat: Truths
+    diagonal: float
+
+
+Cut: TypeAlias = Callable[[Sheet], Integers]
+
+
+def sheet_of(mesh: Mesh, same: Integers, part: Integers, diagonal: float) -> Sheet:
+    """The faces of a mesh with equal labels for equal points."""
+    after, _ = neighbours(mesh.offsets)
+    face = np.repeat(np.arange(len(part)), np.diff(mesh.offsets))
+    here = same[mesh.corners]
+    low, high = np.minimum(here, here[after]), np.maximum(here, here[after])
+    edge = mixed(mixed(low.astype(np.uint64)) ^ high.astype(np.uint64))
+    edge = mixed(edge ^ part[face].astype(np.uint64))
+    order = np.argsort(edge, kind="stable")
+    edge = edge[order]
+    starts = np.flatnonzero(np.concatenate([[True], edge[1:] != edge[:-1]]))
+    two = starts[np.diff(np.append(starts, len(order))) == 2]
+    first, second = order[two], order[two + 1]
+    pairs = np.stack([face[first], face[second]], axis=1)
+    return Sheet(mesh, part, pairs, *_bends(mesh, pairs), diagonal)
+
+
+def _bends(mesh: Mesh, pairs: Integers) -> tuple[Integers, Truths]:
+    normal = area_vectors(mesh)
+    normal = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+    sizes = np.diff(mesh.offsets)
+    points = mesh.vertices[mesh.corners]
+    middle = sums(points, mesh.offsets) / sizes[:, None]
+    one, other = pairs.T
+    alike = np.einsum("pi,pi->p", normal[one], normal[other])
+    above = np.einsum("pi,pi->p", middle[other] - middle[one], normal[one] - normal[other])
+    bend = np.where(alike > _CREASE, 0, np.where(above > 0, -1, 1))
+    return bend, alike > _ONE_PLANE
+
+
+def by_own_vertices(sheet: Sheet) -> Integers:
+    """Faces that share vertices as the file has them. Where most faces have their own, as files
+    write them to shade faces apart, only those in one plane count as apart.
+    """
+    mesh = sheet.mesh
+    first = mesh.corners[mesh.offsets[:-1]]
+    begin = np.repeat(first, np.diff(mesh.offsets))
+    island = linked(len(mesh.vertices), np.stack([begin, mesh.corners], axis=1))[first]
+    parts = int(sheet.part.max()) + 1
+    faces = np.bincount(sheet.part, minlength=parts)
+    _, one = np.unique(island, return_index=True)
+    loose = 2 * np.bincount(sheet.part[one], minlength=parts) >= faces
+    folded = loose[sheet.part[sheet.pairs[:, 0]]] & ~sheet.flat
+    size = int(island.max()) + 1
+    return linked(size, island[sheet.pairs[folded]])[island]
+
+
+def by_edges(sheet: Sheet) -> Integers:
+    """Faces that hang together by edges of two faces: where more meet, things touch."""
+    return linked(len(sheet.part), sheet.pairs)
+
+
+def by_valleys(sheet: Sheet) -> Integers:
+    """Cut along creases that lie in: what stands out from a wall comes off it."""
+    return linked(len(sheet.part), sheet.pairs[sheet.bend >= 0])
+
+
+def by_ridges(sheet: Sheet) -> Integers:
+    """Cut along creases that stand out: what is let into a wall comes off it."""
+    return linked(len(sheet.part), sheet.pairs[sheet.bend <= 0])
+
+
+def by_creases(sheet: Sheet) -> Integers:
+    """Cut along all creases."""
+    return linked(len(sheet.part), sheet.pairs[sheet.bend == 0])
+
+
+def by_planes(sheet: Sheet) -> Integers:
+    """Cut along planes across the axes that no face of the part crosses, then by what hangs
+    together by edges.
+    """
+    mesh = sheet.mesh
+    cell = np.stack([_slab(each[mesh.corners], sheet) for each in mesh.vertices.T.copy()], axis=1)
+    one, other = sheet.pairs.T
+    return linked(len(sheet.part), sheet.pairs[(cell[one] == cell[other]).all(axis=1)])
+
+
+def _slab(place: Floats, sheet: Sheet) -> Integers:
+    """The number of each face's slab along an axis by where its corners (c,) are: a new one begins
+    where all before has ended. Faces that lie in such a plane belong to the slab below it.
+    """
+    slack = _PLANE * sheet.diagonal
+    low = np.minimum.reduceat(place, sheet.mesh.offsets[:-1])
+    high = np.maximum.reduceat(place, sheet.mesh.offsets[:-1])
+    order = np.lexsort([high, low, sheet.part])
+    begins, ends, owner = low[order], high[order], sheet.part[order]
+    # Parts are moved apart along the axis, so that one running maximum serves all.
+    other = np.diff(owner) != 0
+    apart = np.concatenate([[0], np.cumsum(other)]) * (float(np.ptp(place)) * 2 + 1)
+    reached = np.maximum.accumulate(ends + apart)
+    new = (begins + apart)[1:] >= reached[:-1] - slack
+    lying = (ends - begins)[1:] <= slack
+    slab = np.concatenate([[0], np.cumsum(new & ~lying | other)])
+    result = np.empty(len(order), np.int64)
+    result[order] = slab
+    return result

@@ -1,0 +1,181 @@
+"""What hangs together cut into what repeats, where that says the model in less.
+
+Takes faces with the part of each; gives finer parts. A cut is tried on one of each kind of part and
+kept for all of them where its pieces repeat so much that they cost far less to say. Most parts of
+real models stay whole.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ipmlang.formats.distinct import distinct_rows
+from ipmlang.formats.drawing import Note
+from ipmlang.formats.mesh_types import Mesh
+from ipmlang.inverse.frames import Floats, Integers
+from ipmlang.inverse.parts.cutting import (
+    Cut,
+    Sheet,
+    by_creases,
+    by_edges,
+    by_own_vertices,
+    by_planes,
+    by_ridges,
+    by_valleys,
+    sheet_of,
+)
+from ipmlang.inverse.parts.invariants import alike, centers
+from ipmlang.inverse.parts.pieces import sorted_pieces
+from ipmlang.inverse.parts.soup import corners_of
+
+_LEAST, _MOST = 8, 100_000  # faces of parts that are cut
+_ROUNDS = 3
+
+
+@dataclass(frozen=True, slots=True)
+class _Trial:
+    """A cut, what a piece's place costs in numbers, and the share of what the whole costs that the
+    pieces may cost: more where the file itself shows that things merely touch.
+    """
+
+    cut: Cut
+    place: float
+    share: float
+
+
+_TRIALS = (
+    _Trial(by_own_vertices, 4.0, 0.7),
+    _Trial(by_edges, 4.0, 0.7),
+    _Trial(by_planes, 8.0, 0.45),
+    _Trial(by_valleys, 8.0, 0.45),
+    _Trial(by_ridges, 8.0, 0.45),
+    _Trial(by_creases, 8.0, 0.45),
+)
+
+
+def segmented(
+    mesh: Mesh, same: Integers, part: Integers, diagonal: float, tolerance: float
+) -> tuple[Integers, tuple[Note, ...]]:
+    """The part of each face after all cuts that pay, and a note that counts the parts cut."""
+    given = part
+    fresh = np.ones(int(part.max()) + 1, np.bool_)
+    for _ in range(_ROUNDS):
+        pieces = sorted_pieces(mesh, same, part, False)
+        groups = alike(pieces, centers(pieces), tolerance)
+        faces = np.diff(pieces.face_start)
+        fit = fresh & (faces >= _LEAST) & (faces <= _MOST)
+        worth = [rows for rows in groups if fit[rows[0]]]
+        first = np.array([rows[0] for rows in worth], np.int64)
+        choice = _choices(mesh, same, part, first, diagonal, tolerance)
+        finer = part.copy()
+        for number, trial in enumerate(_TRIALS):
+            rows = [group for group, chosen in zip(worth, choice, strict=True) if chosen == number]
+            if rows:
+                among = np.isin(part, np.concatenate(rows))
+                finer = _cut(mesh, same, finer, among, trial.cut, diagonal)
+        if (choice < 0).all():
+            break
+        fresh = np.zeros(int(finer.max()) + 1, np.bool_)
+        fresh[finer[np.bincount(finer, minlength=len(fresh))[finer] < faces[part]]] = True
+        part = finer
+    _, first = np.unique(part, return_index=True)
+    count = int((np.bincount(given[first]) > 1).sum())
+    if not count:
+        return given, ()
+    return part, (Note("segmented", "parts were cut where their pieces repeat", count),)
+
+
+def _cut(
+    mesh: Mesh, same: Integers, part: Integers, among: np.ndarray, cut: Cut, diagonal: float
+) -> Integers:
+    faces = np.flatnonzero(among)
+    sheet = _sheet(mesh, same, part, faces, diagonal)
+    label = cut(sheet)
+    finer = part.copy()
+    finer[faces] = int(part.max()) + 1 + label
+    _, first, kind = np.unique(finer, return_index=True, return_inverse=True)
+    rank = np.empty(len(first), np.int64)
+    rank[np.argsort(first)] = np.arange(len(first))
+    return rank[kind]
+
+
+def _sheet(
+    mesh: Mesh, same: Integers, part: Integers, faces: Integers, diagonal: float
+) -> Sheet:
+    """Some faces as a sheet, with all vertices in their places."""
+    return sheet_of(_some(mesh, faces), same, part[faces], diagonal)
+
+
+def _some(mesh: Mesh, faces: Integers) -> Mesh:
+    sizes = np.diff(mesh.offsets)[faces]
+    corner = corners_of(mesh.offsets, faces)
+    return replace(
+        mesh,
+        corners=mesh.corners[corner],
+        offsets=np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64),
+        material=mesh.material[faces],
+        group=mesh.group[faces],
+        uv=None,
+        normals=None,
+    )
+
+
+def _choices(
+    mesh: Mesh, same: Integers, part: Integers, rows: Integers, diagonal: float, tolerance: float
+) -> Integers:
+    """For each of the rows of parts the number of the cut that pays most, -1 for none."""
+    choice = np.full(len(rows), -1)
+    if not len(rows):
+        return choice
+    faces = np.flatnonzero(np.isin(part, rows))
+    sheet = _sheet(mesh, same, part, faces, diagonal)
+    order = np.argsort(rows)
+    parent = order[np.searchsorted(rows[order], sheet.part)]
+    least = np.ones(len(rows))
+    whole = _costs(sheet, same, parent, parent, 8.0, tolerance)
+    for number, trial in enumerate(_TRIALS):
+        _, first, label = np.unique(trial.cut(sheet), return_index=True, return_inverse=True)
+        many = np.bincount(parent[first], minlength=len(rows))
+        bound = trial.place * many + _least_costs(sheet, parent, label)
+        hopeful = (many > 2) & (bound < np.minimum(trial.share, least) * whole)
+        if not hopeful.any():
+            continue
+        share = np.ones(len(rows))
+        faces = np.flatnonzero(hopeful[parent])
+        some = replace(sheet, mesh=_some(sheet.mesh, faces))
+        cost = _costs(some, same, parent[faces], label[faces], trial.place, tolerance)
+        share[: len(cost)] = np.where(hopeful[: len(cost)], cost, np.inf) / whole[: len(cost)]
+        better = (share <= trial.share) & (share < least * 0.9)
+        choice[better], least[better] = number, share[better]
+    return choice
+
+
+def _least_costs(sheet: Sheet, parent: Integers, label: Integers) -> Floats:
+    """Less than what the kinds of pieces of each parent cost, quickly: by their counts alone."""
+    sizes = np.diff(sheet.mesh.offsets)
+    faces = np.bincount(label)
+    corners = np.bincount(label, sizes)
+    above = np.zeros(len(faces), np.int64)
+    above[label] = parent
+    key = np.stack([above, faces, corners], axis=1)
+    first, _ = distinct_rows(key.astype(np.float64))
+    return np.bincount(above[first], 1.4 * corners[first], int(parent.max()) + 1)
+
+
+def _costs(
+    sheet: Sheet, same: Integers, parent: Integers, label: Integers, place: float, tolerance: float
+) -> Floats:
+    """What each parent costs to say: the numbers of each kind of piece in it, and the places."""
+    label = np.unique(label, return_inverse=True)[1]
+    pieces = sorted_pieces(sheet.mesh, same, label, False)
+    above = parent[pieces.face[pieces.face_start[:-1]]]
+    kind = np.zeros(len(pieces), np.int64)
+    for number, rows in enumerate(alike(pieces, centers(pieces), tolerance)):
+        kind[rows] = number
+    own = 3.0 * np.diff(pieces.vertex_start) + np.diff(pieces.corner_start)
+    _, first = np.unique(above * len(pieces) + kind, return_index=True)
+    count = int(parent.max()) + 1
+    shapes = np.bincount(above[first], own[first], count)
+    return np.asarray(shapes + place * np.bincount(above, minlength=count))
