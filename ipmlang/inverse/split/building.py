@@ -68,6 +68,9 @@ class Building:
     _cost: list[int] = field(default_factory=list)
     _below: list[frozenset[int]] = field(default_factory=list)
     _known: dict[bytes, list[tuple[Contents, Floats, int]]] = field(default_factory=dict)
+    _wraps: dict[tuple[int | None, int, int], list[tuple[int, float, Floats]]] = field(
+        default_factory=dict
+    )
     _left: int = MOST
 
     # -------------------------------------------------------------- symbols
@@ -210,7 +213,13 @@ class Building:
     def _wrapped(self, cell: Cell, size: Floats, axis: int) -> Cell:
         whole = cell.length * cell.count
         own = np.where(np.arange(3) == axis, whole, size)
-        return Cell(whole, self.add(Rule("", own, (Split(axis, (cell,)),))), elastic=True)
+        for number, length, extent in self._wraps.get((cell.symbol, axis, cell.count), ()):
+            if max(abs(length - cell.length), np.abs(extent - own).max()) <= self.small:
+                return Cell(whole, number, elastic=True)
+        number = self.add(Rule("", own, (Split(axis, (cell,)),)))
+        known = self._wraps.setdefault((cell.symbol, axis, cell.count), [])
+        known.append((number, cell.length, own))
+        return Cell(whole, number, elastic=True)
 
 
 def repeats(item: Item) -> TypeGuard[Split]:

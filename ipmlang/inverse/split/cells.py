@@ -12,11 +12,13 @@ from dataclasses import dataclass, replace
 
 from ipmlang.inverse.split.guillotine import Groups, Run
 
+MISSING = 0.25  # of its length that the last cell may reach beyond its contents
+
 
 @dataclass(frozen=True, slots=True)
 class Span:
     """`count` cells of `length` that begin at `low`, the first with the groups from `first` to
-    `last` (not included) in it; equal: nothing is in it.
+    `last` (not included) in it; these equal: nothing is in it. kind: the same for equal contents.
     """
 
     low: float
@@ -25,6 +27,7 @@ class Span:
     first: int = 0
     last: int = 0
     elastic: bool = False
+    kind: int = -1
 
     @property
     def high(self) -> float:
@@ -39,17 +42,14 @@ class Span:
 
 def spans(groups: Groups, found: Sequence[Run], length: float, small: float) -> list[Span] | None:
     """Cells from 0 to `length`; None where there is no room for them in their order."""
-    laid = list(_laid(groups, found, length, small))
+    laid = _widened(list(_laid(groups, found, length, small)), length)
     filled: list[Span] = []
     at = 0.0
-    for place, span in enumerate(laid):
+    for span in laid:
         if span.low > at + small:
             filled.append(Span(at, span.low - at, 1, elastic=True))
         elif span.low < at - small:
             return None
-        if span.count == 1:
-            end = laid[place + 1].low if place + 1 < len(laid) else min(length, span.high)
-            span = replace(span, length=end - span.low)
         if span.length <= small or span.high > length + small:
             return None
         filled.append(span)
@@ -57,6 +57,23 @@ def spans(groups: Groups, found: Sequence[Run], length: float, small: float) -> 
     if at < length - small:
         filled.append(Span(at, length - at, 1, elastic=True))
     return _with_elastic(filled)
+
+
+def _widened(laid: list[Span], length: float) -> list[Span]:
+    """Single cells reach to the next one, all of a kind as far as the one with least room; the
+    last reaches to the end where little is missing.
+    """
+    ends = [span.low for span in laid[1:]] + [length]
+    room = [end - span.low for span, end in zip(laid, ends, strict=True)]
+    if room[-1] > (1 + MISSING) * laid[-1].length:
+        room[-1] = laid[-1].length
+    least: dict[int, float] = {}
+    for span, own in zip(laid, room, strict=True):
+        least[span.kind] = min(least.get(span.kind, own), own)
+    return [
+        span if span.count > 1 else replace(span, length=own if span.kind < 0 else least[span.kind])
+        for span, own in zip(laid, room, strict=True)
+    ]
 
 
 def _with_elastic(laid: list[Span]) -> list[Span]:
@@ -75,7 +92,7 @@ def _laid(groups: Groups, found: Sequence[Run], length: float, small: float) -> 
         low, high = float(groups.low[run.first]), float(groups.high[run.first : stop].max())
         if count == 1:
             begin = max(low, before) if low > before - small else low
-            yield Span(begin, high - begin, 1, run.first, stop)
+            yield Span(begin, high - begin, 1, run.first, stop, kind=run.kind)
             before = high
             continue
         content = high - low

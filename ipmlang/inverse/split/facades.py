@@ -20,7 +20,7 @@ from ipmlang.inverse.split.cost import scheme_tokens
 from ipmlang.inverse.split.expansion import expand
 from ipmlang.inverse.split.guillotine import runs, side_by_side
 from ipmlang.inverse.split.matching import matched
-from ipmlang.inverse.split.scheme import Array, Item, Place, Ring, Rule, Scheme, Terminal
+from ipmlang.inverse.split.scheme import Array, Item, Place, Ring, Rule, Scheme, Symbol, Terminal
 
 DEEPEST = 2  # times that the rules within a rule are opened before it is cut
 MOST = 2500  # rows of a rule that is cut
@@ -134,19 +134,30 @@ class _Rewriting:
 
 
 def _named(scheme: Scheme) -> Scheme:
-    """With names for cells that repeat where nothing names them."""
+    """With names for the cells of a grid, where nothing names them: floors, and bays in them."""
     wish: dict[int, str] = {}
-    for symbol in scheme.symbols:
-        for item in symbol.items if isinstance(symbol, Rule) else ():
-            if repeats(item):
-                wish |= {
-                    cell.symbol: NAMES[item.axis]
-                    for cell in item.cells
-                    if cell.count > 1 and cell.symbol is not None
-                }
+    repeated = [_repeated(symbol) for symbol in scheme.symbols]
+    for cells in repeated:
+        for number, axis in cells.items():
+            inner = {other: turn for other, turn in repeated[number].items() if turn != axis}
+            if inner:
+                wish |= {other: NAMES[turn] for other, turn in inner.items()}
+                wish[number] = NAMES[axis]
     return replace(scheme, symbols=tuple(
         replace(symbol, name=wish[number])
         if number in wish and isinstance(symbol, Rule) and not symbol.name
         else symbol
         for number, symbol in enumerate(scheme.symbols)
     ))  # fmt: skip
+
+
+def _repeated(symbol: Symbol) -> dict[int, int]:
+    """The symbols that repeat as cells of a symbol, and along which axis."""
+    items = symbol.items if isinstance(symbol, Rule) else ()
+    return {
+        cell.symbol: item.axis
+        for item in items
+        if repeats(item)
+        for cell in item.cells
+        if cell.count > 1 and cell.symbol is not None
+    }

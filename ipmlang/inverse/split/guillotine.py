@@ -66,13 +66,14 @@ def _groups(low: Floats, high: Floats, rows: Integers, backdrop: Integers, small
 @dataclass(frozen=True, slots=True)
 class Run:
     """`count` periods of `period` groups from group `first`, each `step` behind the one before;
-    count 1: no repetition.
+    count 1: no repetition. kind: the same for equal groups.
     """
 
     first: int
     period: int
     count: int
     step: float = 0.0
+    kind: int = -1
 
 
 def runs(inside: Contents, groups: Groups, axis: int, small: float) -> list[Run]:
@@ -84,12 +85,29 @@ def runs(inside: Contents, groups: Groups, axis: int, small: float) -> list[Run]
         begin, end = waiting.pop()
         best = _longest(label, groups.low, begin, end, small)
         if best is None:
-            found += [Run(each, 1, 1) for each in range(begin, end)]
+            found += [Run(each, 1, 1, kind=int(label[each])) for each in range(begin, end)]
             continue
         found.append(best)
         waiting.append((begin, best.first))
         waiting.append((best.first + best.period * best.count, end))
-    return sorted((run for run in found), key=lambda run: run.first)
+    return _without_chance(sorted(found, key=lambda run: run.first), label, small)
+
+
+def _without_chance(found: list[Run], label: Integers, small: float) -> list[Run]:
+    """Two of a kind always have one step: they are no run where the same stands at another."""
+    steps = np.full(len(label), np.nan)
+    for run in found:
+        if run.count > 1:
+            steps[run.first : run.first + run.period * run.count] = run.step
+    kept: list[Run] = []
+    for run in found:
+        stop = run.first + run.period * run.count
+        alike = np.isin(label, label[run.first : stop])
+        if run.count == 2 and not bool((np.abs(steps[alike] - run.step) <= small).all()):
+            kept += [Run(each, 1, 1, kind=int(label[each])) for each in range(run.first, stop)]
+        else:
+            kept.append(run)
+    return kept
 
 
 def _labels(inside: Contents, groups: Groups, axis: int, small: float) -> Integers:
