@@ -106,8 +106,9 @@ class Snapping(Asking):
     def snap_notes(self) -> tuple[str, ...]:
         """A note for each rule whose splits snap to lines that are not there in time."""
         lines = joined(self._lines)
+        last = {(rule, name): phase for rule, phase, name in sorted(self._asked)}
         found = []
-        for rule, phase, name in sorted(self._asked):
+        for (rule, name), phase in last.items():
             own = lines.phase[lines.name == name]
             if not (own < phase).any():
                 which = f"all {len(own):,} are of phase {min(own, default=0):g} or later"

@@ -17,6 +17,7 @@ from ipmlang.runtime.scene import TextureMaps
 from ipmlang.runtime.scopes import boxes
 from ipmlang.runtime.scopes.boxes import SIZES, State, full
 from ipmlang.runtime.scopes.laying import FIELD
+from ipmlang.runtime.scopes.pool import NOTHING
 from ipmlang.runtime.scopes.scoping import Floats, Rows, Scoping
 from ipmlang.runtime.scopes.tables import distinct
 
@@ -24,6 +25,7 @@ NEAR = 1e-6  # of a change: what is less across an axis is none
 FITS = (
     1e-5  # of the range of a mesh's texture coordinates: they are even if no corner is further off
 )
+UPRIGHT = 0.9999  # the cosine from which on a face is straight on a side of the box
 HINT = (
     "split one side, as comp { front: … } gives it, or lay the texture onto a plane: "
     "setupProjection(xz, 2, 1) projectUV"
@@ -43,6 +45,7 @@ class Unwrapping(Scoping):
         change = self._changes("uv".index(name), own)
         size = np.stack([own[field] for field in SIZES], axis=1)
         change = np.where(size > 0, change, 0.0)
+        change[own["geo"] == NOTHING] = (1.0, 0.0, 0.0)  # nothing is cut there
         axis = np.argmax(np.abs(change), axis=1)
         step = np.take_along_axis(change, axis[:, None], axis=1)[:, 0]
         self._check_axis(name, change, step, rows)
@@ -89,7 +92,7 @@ class Unwrapping(Scoping):
         none = size <= 0
         flat = np.where(none.any(axis=1), np.argmax(none, axis=1), -1)
         code = state["geo"].astype(np.int64) * 4 + flat + 1
-        codes, kind = distinct(code)
+        codes, kind = distinct(np.where(state["geo"] == NOTHING, NOTHING, code))
         units = [self._unit(each >> 2, (each & 3) - 1) for each in codes.tolist()]
         unit = np.stack([each for each, _ in units])[kind]
         own = np.array([each for _, each in units])[kind]
@@ -105,16 +108,17 @@ class Unwrapping(Scoping):
         """How u and v change (2, 3) over the unit box of a geometry, and whether it brings them."""
 
         def make() -> tuple[Floats, bool]:
-            solid = None if number == 0 else self.pool.unit(number, None if flat < 0 else flat)
-            if solid is not None and solid.uv is not None and solid.uv.any():
+            if number == NOTHING:
+                return np.zeros((2, 3)), False
+            solid = self.pool.unit(number, None if flat < 0 else flat)
+            if solid.uv is not None and solid.uv.any():
                 return self._fitted(solid, solid.uv), True
-            looks = None if solid is None else normals(solid)
-            if flat < 0 or (looks is not None and (np.abs(looks[:, flat]) < 0.9999).any()):
+            looks = normals(solid)[:, flat]
+            if flat < 0 or (np.abs(looks) < UPRIGHT).any():
                 raise self._uneven("has more than one side, and each has its own")
-            back = looks is not None and bool((looks[:, flat] < 0).all())
-            if looks is not None and not back and (looks[:, flat] < 0).any():
+            if (looks < 0).any() and (looks > 0).any():
                 raise self._uneven("is seen from two sides, and each has its own")
-            return _side(flat, back), False
+            return _side(flat, bool((looks < 0).all())), False
 
         found = self.pool.derived(("unwrapped", number, flat), make)
         assert isinstance(found, tuple)
