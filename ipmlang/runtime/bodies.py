@@ -299,7 +299,8 @@ class Writer:
             size = args if len(args) == 3 else size
         if asset == SCOPE and "geo" in state:
             size = [state[name] for name in ("sx", "sy", "sz")]
-            shown = self.held(f"run.some({source(state['geo'])}, {scope.count}, {shown})")
+            what = f"{symbol}, {source(state['geo'])}, {scope.count}, {shown}"
+            shown = self.held(f"run.drawable({what})")
         parts = (self.values(size), self.values(state.values()))
         if self._single:
             key = "k0, k1" if site == OWN else f"*child(k0, k1, {site})"

@@ -24,6 +24,7 @@ from ipmlang.runtime.code import Column
 from ipmlang.runtime.copying import Copying, Numbers
 from ipmlang.runtime.keys import Words
 from ipmlang.runtime.limits import Counted
+from ipmlang.runtime.queries.marks import asked
 from ipmlang.runtime.scopes import boxes
 from ipmlang.runtime.scopes.boxes import AXES, ROTATION, SIZES, State, full
 from ipmlang.runtime.scopes.framing import framed
@@ -41,10 +42,14 @@ Keys = tuple[Words, Words, int, tuple[Words, ...]]
 
 @dataclass(slots=True, eq=False)
 class Reports:
-    """What was reported by key, and how many parts of splits did not fit, by production."""
+    """What was reported by key; how many parts of splits did not fit, by production; how many
+    terminals had nothing to draw, by symbol, and which symbols had something.
+    """
 
     values: dict[str, list[Floats]] = field(default_factory=dict)
     unfit: dict[int, int] = field(default_factory=dict)
+    blank: dict[int, int] = field(default_factory=dict)
+    drawn: set[int] = field(default_factory=set)
 
     def sums(self) -> dict[str, tuple[float, int]]:
         """The sum of each key, in whatever order it was reported, and how many did."""
@@ -80,6 +85,16 @@ class Scoping(Copying):
             return shown
         there = full(geometry, count) != NOTHING
         return _narrowed(shown, there)
+
+    def drawable(self, symbol: int, geometry: Column, count: int, shown: Rows) -> Rows:
+        """The rows of a terminal that have any geometry."""
+        there = self.some(geometry, count, shown)
+        many, left = (count if rows is None else len(rows) for rows in (shown, there))
+        if left:
+            self.reports.drawn.add(symbol)
+        if left < many:
+            self.reports.blank[symbol] = self.reports.blank.get(symbol, 0) + many - left
+        return there
 
     def extent(self, value: Column) -> Column:
         """A size must be 0 or more."""
@@ -448,4 +463,19 @@ def unfit_notes(program: ir.Program, reports: Reports) -> tuple[str, ...]:
         notes.append(
             f"rule {name}{where}: {what} not made, since no room was left or its size is 0"
         )
-    return tuple(notes)
+    return (*notes, *_blank_notes(program, reports))
+
+
+def _blank_notes(program: ir.Program, reports: Reports) -> Iterator[str]:
+    """A note for each symbol that has nothing to draw anywhere; where queries ask, it may stand for
+    a place.
+    """
+    if asked(program) is not None:
+        return
+    for symbol, many in sorted(reports.blank.items()):
+        if symbol not in reports.drawn:
+            shapes = "its one shape has" if many == 1 else f"its {many:,} shapes have"
+            yield (
+                f"{program.symbols[symbol].name} draws nothing: {shapes} no geometry, as points "
+                "have none; insert an asset, or give a size and a geometry: size(1, 1, 1) cube"
+            )
