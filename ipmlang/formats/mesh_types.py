@@ -222,10 +222,13 @@ def reversed_faces(mesh: Mesh) -> Mesh:
 
 
 def reversal(offsets: Indices) -> Indices:
-    """The corner numbers (c,) that read every face backwards."""
+    """The corner numbers (c,) that read every face backwards from its first corner, so that a fan
+    from there has the same diagonals.
+    """
     counts = np.diff(offsets)
     face = np.repeat(np.arange(len(counts)), counts)
-    return offsets[face] + offsets[face + 1] - 1 - np.arange(len(face))
+    step = np.arange(len(face)) - offsets[face]
+    return offsets[face] + -step % counts[face]
 
 
 def merged(meshes: list[Mesh]) -> Mesh:

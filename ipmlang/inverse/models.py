@@ -7,7 +7,7 @@ schemes are tried. Nothing is written.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
@@ -61,18 +61,20 @@ def grammar_of_model(
     parts, source = observed(path, up, limit)
     _check_parts(path, parts)
     say(f"looking for rules among {len(parts.shape)} components")
-    plain = flat(parts)
     goal = _Goal(parts, source, limit, stem, capital(word(path.stem)) or "Building")
-    tokens_flat = count_text_tokens(format_grammar(_written(goal, plain, ROUNDINGS[0], True)[0]))
+    plain = flat(parts)
+    written_out = _written(goal, plain, ROUNDINGS[0], one_by_one=True)[0]
+    schemes = [plain] if is_flat else _searched(goal, plain, options)
     say("comparing with the model")
-    for scheme, rounding in _attempts(plain if is_flat else _searched(parts, options), plain):
-        grammar, file = _written(goal, scheme, rounding, is_flat)
-        text = format_grammar(grammar)
-        difference = prove(source, text, file, stem, limit * parts.diagonal)
-        if difference.none:
-            report = _report(goal, scheme, difference, options)
-            report = replace(report, tokens_flat=tokens_flat)
-            return Found(grammar, file.content, file.suffix, report)
+    for scheme in schemes:
+        for rounding in ROUNDINGS:
+            grammar, file = _written(goal, scheme, rounding, is_flat)
+            text = format_grammar(grammar)
+            difference = prove(source, text, file, stem, limit * parts.diagonal)
+            if difference.none:
+                report = _report(goal, scheme, difference, options)
+                report = replace(report, tokens_flat=_tokens(written_out))
+                return Found(grammar, file.content, file.suffix, report)
     raise fail(
         "not-proven",
         f"no grammar was found that gives {path.name} back within {limit:g} of its diagonal",
@@ -80,24 +82,33 @@ def grammar_of_model(
     )
 
 
-def _searched(parts: Parts, options: Options) -> Scheme:
-    """The scheme that options ask for."""
+def _searched(goal: _Goal, plain: Scheme, options: Options) -> list[Scheme]:
+    """The schemes that options ask for, in the order in which they are tried: the best first, then
+    what says less.
+    """
+    parts = goal.parts
     small = NOTHING * parts.diagonal
     if options.paper:
         from ipmlang.inverse.split.raw_form import raw_form
 
-        return raw_form(parts, small)
+        return [raw_form(parts, small), plain]
     from ipmlang.inverse.split.facades import as_splits
     from ipmlang.inverse.split.search import shortest
 
-    return as_splits(shortest(parts), small)
+    found = shortest(parts)
+    split = as_splits(found, small)
+    shorter = sorted({id(each): each for each in (found, plain)}.values(), key=_length(goal))
+    if split is found or shorter[0] is plain:
+        return shorter
+    return [split, *shorter]
 
 
-def _attempts(found: Scheme, plain: Scheme) -> Iterator[tuple[Scheme, float]]:
-    """What is tried in turn: more digits, then no rules."""
-    for scheme in (found, plain) if found is not plain else (plain,):
-        for rounding in ROUNDINGS:
-            yield scheme, rounding
+def _length(goal: _Goal) -> Callable[[Scheme], int]:
+    return lambda scheme: _tokens(_written(goal, scheme, ROUNDINGS[0], False)[0])
+
+
+def _tokens(grammar: ast.Grammar) -> int:
+    return count_text_tokens(format_grammar(grammar))
 
 
 def observed(path: Path, up: Up, limit: float) -> tuple[Parts, Mesh]:

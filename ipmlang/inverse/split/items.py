@@ -36,10 +36,12 @@ from ipmlang.inverse.split.wording import (
     bracket,
     call,
     is_nothing,
+    plus,
     times,
 )
 
 INDICES = ("i", "j", "k")
+EXTENTS = ("scope.sx", "scope.sy", "scope.sz")
 
 
 @dataclass(slots=True, eq=False)
@@ -57,6 +59,7 @@ class Wording:
     counts: dict[tuple[int, int, int], ast.Expr] = field(default_factory=dict)
     given: Names = field(default_factory=Names)
     tables: list[ast.Table] = field(default_factory=list)
+    labels: dict[int, str] = field(default_factory=dict)
     one_by_one: bool = False
 
     def symbol(self, index: int) -> list[ast.Element]:
@@ -64,6 +67,12 @@ class Wording:
         size = self.sized.get(index)
         own: list[ast.Element] = [] if size is None else [call("size", *size)]
         return [*own, ast.Module(self.names[index])]
+
+    def fitted(self, terminal: int) -> str:
+        """The label of a terminal that is stretched to a scope."""
+        if terminal not in self.labels:
+            self.labels[terminal] = self.given.give(f"{self.names[terminal]}Fitted")
+        return self.labels[terminal]
 
     def count(self, key: tuple[int, int, int], count: int) -> ast.Expr:
         """How many, as a number or an attribute."""
@@ -93,9 +102,10 @@ def item_elements(wording: Wording, rule: int, number: int, item: Item) -> list[
 def _place(wording: Wording, place: Place) -> list[ast.Element]:
     found = spots(place.frames, wording.precision, float(wording.reach[place.symbol]))
     if place.stretch is not None:
+        sizes = _sizes(wording, place.stretch, place.margins)
         return [
             placed(spot, _stretched(wording, place.symbol, size))
-            for spot, size in zip(found, place.stretch, strict=True)
+            for spot, size in zip(found, sizes, strict=True)
         ]
     inner = wording.symbol(place.symbol)
     if wording.one_by_one:
@@ -105,12 +115,27 @@ def _place(wording: Wording, place: Place) -> list[ast.Element]:
     return elements
 
 
-def _stretched(wording: Wording, symbol: int, size: Floats) -> list[ast.Element]:
-    """A symbol in a scope of a size: a terminal is stretched to it."""
-    module = ast.Module(wording.names[symbol])
-    if isinstance(wording.scheme.symbols[symbol], Terminal):
-        module = call("insert", ast.Name(wording.names[symbol]))
-    return [call("size", *wording.precision.vector(size)), module]
+def _sizes(wording: Wording, stretch: Floats, margins: Floats | None) -> list[Vector]:
+    """Sizes as numbers, or as what is less than the scope."""
+    if margins is None:
+        return [wording.precision.vector(size) for size in stretch]
+    return [_size(wording, size, margin) for size, margin in zip(stretch, margins, strict=True)]
+
+
+def _size(wording: Wording, size: Floats, margin: Floats) -> Vector:
+    x, y, z = (
+        plus(ast.Name(extent), wording.precision.number(-float(less))) if np.isfinite(less) else own
+        for extent, less, own in zip(EXTENTS, margin, wording.precision.vector(size), strict=True)
+    )
+    return (x, y, z)
+
+
+def _stretched(wording: Wording, symbol: int, size: Vector) -> list[ast.Element]:
+    """A symbol in a scope of a size: a terminal is stretched to it, under a label of its own."""
+    name = wording.names[symbol]
+    if not isinstance(wording.scheme.symbols[symbol], Terminal):
+        return [call("size", *size), ast.Module(name)]
+    return [call("size", *size), call("insert", ast.Name(name)), ast.Module(wording.fitted(symbol))]
 
 
 # --------------------------------------------------------------------- rows and grids

@@ -9,7 +9,7 @@ import numpy as np
 
 from ipmlang.inverse.frames import Floats, spread
 from ipmlang.inverse.split.expansion import placements
-from ipmlang.inverse.split.scheme import Octant, Place, Rule, Scheme, Split, Terminal
+from ipmlang.inverse.split.scheme import Item, Octant, Place, Rule, Scheme, Split, Terminal
 
 _CORNERS = np.array([[k & 1, k >> 1 & 1, k >> 2] for k in range(8)], np.float64)
 
@@ -46,15 +46,22 @@ def _extent(rule: Rule, boxes: Floats) -> Floats:
 
 def needing_size(scheme: Scheme, small: float) -> dict[int, Floats]:
     """Symbols whose scope has to be as large as they say wherever they are placed freely: what is
-    split, or cut by octants. The axiom stands in a box of its size.
+    split, cut by octants, or followed. The axiom stands in a box of its size.
     """
     found: dict[int, Floats] = {}
     for number, symbol in enumerate(scheme.symbols):
         if isinstance(symbol, Terminal) or number == scheme.axiom:
             continue
-        if any(isinstance(item, Split | Octant) for item in symbol.items):
+        if any(_asks(item) for item in symbol.items):
             found[number] = symbol.size
     return found if small >= 0 else {}
+
+
+def _asks(item: Item) -> bool:
+    """Whether what an item draws hangs on the scope."""
+    return isinstance(item, Split | Octant) or (
+        isinstance(item, Place) and item.margins is not None
+    )
 
 
 def is_stretched(scheme: Scheme) -> bool:

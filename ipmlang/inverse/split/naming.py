@@ -54,10 +54,19 @@ def _order(scheme: Scheme) -> list[int]:
 def rule_wish(scheme: Scheme, rule: Rule, named: Sequence[str]) -> str:
     """A name for a rule that brings none, from the names of what it places."""
     drawn = [(symbol, len(frames)) for item in rule.items for symbol, frames in placements(item)]
-    main = max(drawn, key=lambda each: _bulk(scheme, each[0]) * each[1])[0] if drawn else -1
-    stem = capital(named[main]) if main >= 0 else "Empty"
+    stem = capital(named[_main(scheme, rule)]) if drawn else "Empty"
     kind = _arrangement(rule.items, drawn)
     return stem + kind if len(stem + kind) <= LONGEST else kind
+
+
+def _main(scheme: Scheme, rule: Rule) -> int:
+    """What takes most of the eye in a rule: a symbol that has a name of its own."""
+    drawn = [(symbol, len(frames)) for item in rule.items for symbol, frames in placements(item)]
+    if not drawn:
+        return scheme.axiom
+    main = max(drawn, key=lambda each: _bulk(scheme, each[0]) * each[1])[0]
+    inner = scheme.symbols[main]
+    return main if isinstance(inner, Terminal) or inner.name else _main(scheme, inner)
 
 
 def _bulk(scheme: Scheme, symbol: int) -> float:

@@ -18,7 +18,7 @@ from ipmlang.inverse.numbers import shortest
 from ipmlang.inverse.split.wording import NOTHING, Vector, all_nothing, bracket, call
 
 WHOLE = 1e-9  # degrees or shares that are nothing
-FINEST = 1e-9  # degrees that no angle is rounded further than
+ROOM = 2.0  # times the error that an angle may be off which is then a round one
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,11 +66,11 @@ class Spot:
 
 def spots(frames: Frames, precision: Precision, reach: float) -> list[Spot]:
     """A spot for every frame; reach: how far what is placed gets from its own origin."""
-    angles = euler_angles(frames.rotation)
     error = precision.degrees(reach)
+    angles = euler_angles(frames.rotation, max(WHOLE, ROOM * error))
     found = []
     for row in range(len(frames)):
-        a, b, c = (ast.Number(shortest(float(angle), error)) for angle in angles[row])
+        a, b, c = (ast.Number(_angle(float(angle), error)) for angle in angles[row])
         scale = shortest(float(frames.scale[row]), precision.ratio(reach))
         found.append(
             Spot(
@@ -83,18 +83,25 @@ def spots(frames: Frames, precision: Precision, reach: float) -> list[Spot]:
     return found
 
 
-def euler_angles(rotation: Floats) -> Floats:
+def _angle(angle: float, error: float) -> float:
+    """The angle as a person says it: what is nearly a multiple of 15 degrees is one."""
+    whole = 15.0 * round(angle / 15.0)
+    if abs(angle - whole) <= ROOM * error:
+        return whole + 0.0
+    return shortest(angle, error)
+
+
+def euler_angles(rotation: Floats, small: float = WHOLE) -> Floats:
     """(n, 3) degrees about own x, then y, then z for quaternions (n, 4): of the two ways to say a
-    turn the one with more zeros.
+    turn the one with more zeros; small: degrees that are nothing.
     """
     from scipy.spatial.transform import Rotation
 
     if not len(rotation):
         return np.zeros((0, 3))
-    with np.errstate(all="ignore"):
-        first = _three_angles(Rotation.from_quat(rotation[:, [1, 2, 3, 0]]).as_matrix())
+    first = _three_angles(Rotation.from_quat(rotation[:, [1, 2, 3, 0]]).as_matrix())
     second = np.stack([first[:, 0] + 180, 180 - first[:, 1], first[:, 2] + 180], axis=1)
-    first, second = _settled(first), _settled(second)
+    first, second = _settled(first, small), _settled(second, small)
     chosen = np.count_nonzero(second, axis=1) < np.count_nonzero(first, axis=1)
     return np.where(chosen[:, None], second, first)
 
@@ -110,11 +117,11 @@ def _three_angles(matrix: Floats) -> Floats:
     return np.asarray(np.degrees(np.stack([np.where(locked, 0.0, a), b, c], axis=1)))
 
 
-def _settled(angles: Floats) -> Floats:
+def _settled(angles: Floats, small: float) -> Floats:
     """Angles in (-180, 180], almost nothing being nothing."""
     wrapped: Floats = -(np.mod(-angles + 180.0, 360.0) - 180.0)
-    wrapped = np.where(np.abs(wrapped + 180.0) < WHOLE, 180.0, wrapped)
-    return np.asarray(np.where(np.abs(wrapped) < WHOLE, 0.0, wrapped) + 0.0)
+    wrapped = np.where(np.abs(wrapped + 180.0) < small, 180.0, wrapped)
+    return np.asarray(np.where(np.abs(wrapped) < small, 0.0, wrapped) + 0.0)
 
 
 def placed(spot: Spot, inner: Sequence[ast.Element]) -> ast.Element:

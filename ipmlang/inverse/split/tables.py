@@ -41,7 +41,8 @@ def cheapest(
 def _title(name: str) -> str:
     """`windows` for `window`."""
     things = several(name).replace(" ", "_")
-    return things if things.isidentifier() and things != name else f"{stem(name)}_places"
+    plain = name.replace("_", "").isalpha() and things.isidentifier() and things != name
+    return things if plain else f"{stem(name)}_places"
 
 
 def _groups(found: Sequence[Spot]) -> list[list[Spot]]:
