@@ -1,4 +1,4 @@
-"""A polygon cut into pieces of given areas by lines across x or y.
+"""Where lines across x or y cut a polygon into pieces of given areas.
 
 How much area lies before a line is a quadratic of the line's place between two corners, so the
 lines are found by solving it, not by searching.
@@ -7,89 +7,36 @@ lines are found by solving it, not by searching.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 
-from ipmlang.geometry.pieces import Piece
-from ipmlang.geometry.planar import (
-    Rings,
-    closed,
-    common,
-    grid_of,
-    opened,
-    rings_of_shape,
-    shape_of,
-)
-from ipmlang.geometry.solid import Floats, GeometryError, Solid
+from ipmlang.geometry.planar import opened
+from ipmlang.geometry.solid import Floats, Solid
 
 AXES = {"x": 0, "y": 1}
-CUT = frozenset({"area"})
-
-
-def area_split(polygon: Solid, axis: str, areas: Sequence[float]) -> list[Piece]:
-    """Pieces of these areas, one after the other along x or y.
-
-    A piece has several faces where its strip of the polygon falls apart. What is left beyond the
-    last area makes no piece; a last area that is not all there makes a smaller piece, later ones
-    and areas of 0 or less make none. Raises `GeometryError` for an unknown axis.
-
-    >>> from ipmlang.geometry import solid
-    >>> pieces = area_split(solid.unit_square(), "x", [0.25, 1])
-    >>> [float(solid.bounds(piece.solid)[1][0]) for piece in pieces]
-    [0.25, 1.0]
-    """
-    import shapely
-
-    rings, plane = opened(polygon, "split")
-    if axis not in AXES:
-        raise GeometryError(f"an area is split along x or y, not along {axis}")
-    along = AXES[axis]
-    cuts = cuts_of(rings, along, areas)
-    whole = shape_of(rings)
-    grid = grid_of(whole)
-    known = np.concatenate(rings)
-    low, high = rings[0].min(axis=0) - 1, rings[0].max(axis=0) + 1
-    found: list[Piece] = []
-    for start, end in pairwise(cuts.tolist()):
-        if end <= start:
-            continue
-        corner, opposite = low.copy(), high.copy()
-        corner[along], opposite[along] = start, end
-        part = common(whole, shapely.box(*corner, *opposite), grid).item()
-        parts = [_on_lines(each, along, (start, end), 4 * grid)
-                 for each in rings_of_shape(part, known, grid)]  # fmt: skip
-        if parts:
-            found.append(Piece(CUT, closed(parts, plane)))
-    return found
-
-
-def _on_lines(rings: Rings, along: int, lines: tuple[float, float], near: float) -> Rings:
-    """The rings with points on the cutting lines, to the last bit, where they were rounded."""
-    for ring in rings:
-        for line in lines:
-            ring[np.abs(ring[:, along] - line) <= near, along] = line
-    return rings
 
 
 def area_cuts(polygon: Solid, axis: str, areas: Sequence[float]) -> Floats:
-    """Where along x or y pieces of these areas begin and end (n + 1,)."""
+    """Where along x or y pieces of these areas, one after the other, begin and end (n + 1,).
+
+    Areas below 0 are none. What is left beyond the last one makes no piece, a last one that is not
+    all there makes a smaller piece. Raises `GeometryError` for what is no level polygon.
+
+    >>> from ipmlang.geometry import solid
+    >>> area_cuts(solid.unit_square(), "x", [0.25, 1]).tolist()
+    [0.0, 0.25, 1.0]
+    """
     rings, _ = opened(polygon, "split")
-    return cuts_of(rings, AXES[axis], areas)
-
-
-def cuts_of(rings: Rings, along: int, areas: Sequence[float]) -> Floats:
-    """As `area_cuts`, of rings, along the axis of this number."""
+    along = AXES[axis]
     upto = np.cumsum([0.0, *(max(0.0, each) for each in areas)])
     turned = rings if along == 0 else [ring[:, ::-1] for ring in rings]
     sign = 1.0 if along == 0 else -1.0
     start = np.concatenate(turned)
     end = np.concatenate([np.roll(ring, -1, axis=0) for ring in turned])
     stops = np.unique(start[:, 0])
-    before = sign * _before(start, end, stops)
-    whole = before[-1]
+    whole = sign * float(_before(start, end, stops[-1:])[0])
     upto = np.where(upto >= whole * (1 - 1e-14), whole, upto)
-    return np.array([_place(start, end, sign, stops, before, float(area)) for area in upto])
+    return _places(start, end, sign, stops, np.clip(upto, 0.0, whole))
 
 
 def _before(start: Floats, end: Floats, lines: Floats) -> Floats:
@@ -110,21 +57,28 @@ def _before(start: Floats, end: Floats, lines: Floats) -> Floats:
     return found
 
 
-def _place(
-    start: Floats, end: Floats, sign: float, stops: Floats, before: Floats, area: float
-) -> float:
-    """Where so much area lies before the line."""
-    if area <= 0.0:
-        return float(stops[0])
-    after = min(int(np.searchsorted(before, area)), len(stops) - 1)
-    if before[after] <= area:
-        return float(stops[after])
-    low, high = float(stops[after - 1]), float(stops[after])
-    middle = sign * float(_before(start, end, np.array([(low + high) / 2]))[0])
-    first, last, want = before[after - 1], before[after], area - before[after - 1]
+def _places(start: Floats, end: Floats, sign: float, stops: Floats, areas: Floats) -> Floats:
+    """Where so much area (k,) lies before each line: between the two stops that have it between
+    them, which are found by halving, by the quadratic that the area is there.
+    """
+    low = np.zeros(len(areas), np.int64)
+    high = np.full(len(areas), len(stops) - 1)
+    first = np.zeros(len(areas))
+    last = np.repeat(sign * _before(start, end, stops[-1:]), len(areas))
+    while (high - low > 1).any():
+        middle = (low + high) // 2
+        here = sign * _before(start, end, stops[middle])
+        enough = here >= areas
+        high, last = np.where(enough, middle, high), np.where(enough, here, last)
+        low, first = np.where(enough, low, middle), np.where(enough, first, here)
+    begin, until = stops[low], stops[high]
+    half = sign * _before(start, end, (begin + until) / 2)
+    want = areas - first
     # first + b t + c t², with t from 0 to 1 between the stops
-    c = 2 * (last - 2 * middle + first)
+    c = 2 * (last - 2 * half + first)
     b = last - first - c
-    root = np.sqrt(max(b * b + 4 * c * want, 0.0))
-    share = 2 * want / (b + root) if b + root > 0 else 1.0
-    return low + (high - low) * min(max(share, 0.0), 1.0)
+    root = np.sqrt(np.maximum(b * b + 4 * c * want, 0.0))
+    share = np.divide(2 * want, b + root, out=np.ones(len(areas)), where=b + root > 0)
+    place = begin + (until - begin) * np.clip(share, 0.0, 1.0)
+    found: Floats = np.where(areas <= 0.0, stops[0], np.where(areas == last, until, place))
+    return found

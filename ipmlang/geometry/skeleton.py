@@ -25,6 +25,7 @@ Rings = Sequence[Floats | Sequence[Sequence[float]]]
 
 # How near is contact, in units of the polygon's size, and how much speeds are changed by: tried
 # in turn until a result is proved. The changes are far below what a result is measured by.
+MOST = 1500  # corners: the work grows with their square, to some ten seconds
 ATTEMPTS = ((1e-10, 0.0), (1e-12, 0.0), (1e-11, 1e-11), (1e-10, 1e-10), (1e-12, 3e-10))
 
 
@@ -88,23 +89,15 @@ def skeleton_of(rings: list[Ring], speeds: Sequence[float]) -> Skeleton:
     )
 
 
-def offset_rings(
-    rings: Rings, distance: float, speeds: Sequence[float] | None = None
-) -> list[tuple[Floats, list[int]]]:
-    """The polygon's rings after every edge has moved inwards by distance times its speed.
-
-    A negative distance moves edges outwards. Gives rings of points (n, 2), outlines
-    counter-clockwise, each before its holes, which are clockwise, and for each point the input's
-    edge that begins there (-1: a new one between edges in one line that moved by unequal
-    distances). None are left where the polygon is used up. Raises GeometryError as
-    `straight_skeleton` does.
-    """
-    moved = moved_rings(fit_rings(rings), distance, _for_each_edge(rings, speeds))
-    return [(ring.points, ring.edges) for ring in moved]
-
-
 def moved_rings(rings: list[Ring], distance: float, speeds: Sequence[float]) -> list[Ring]:
-    """What `offset_rings` gives, of clean rings; speeds are by the numbers of their edges."""
+    """The rings after every edge has moved inwards by distance times its speed; speeds are by the
+    numbers of the edges of clean rings.
+
+    A negative distance moves edges outwards. Gives outlines counter-clockwise, each before its
+    holes, which are clockwise; a point whose edge bears -1 begins a new one, between edges in one
+    line that moved by unequal distances. None are left where the polygon is used up. Raises
+    GeometryError as `straight_skeleton` does.
+    """
     turned = [reversed_ring(ring) for ring in rings] if distance < 0 else rings
     problem = _problem(turned, speeds)
     limit = abs(distance) * problem.fastest / problem.unit
@@ -129,6 +122,12 @@ def _for_each_edge(rings: Rings, speeds: Sequence[float] | None) -> list[float]:
 
 
 def _problem(rings: list[Ring], speeds: Sequence[float]) -> _Problem:
+    corners = sum(len(ring.edges) for ring in rings)
+    if corners > MOST:
+        raise GeometryError(
+            f"the polygon has {corners:,} corners, and its skeleton is found of {MOST:,} at most",
+            "draw round edges with fewer corners, or cut the polygon into parts",
+        )
     if not all(0 <= speed < inf for speed in speeds):
         raise GeometryError("the speed of an edge must be at least 0")
     points = np.concatenate([ring.points for ring in rings])

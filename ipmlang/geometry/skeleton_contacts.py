@@ -17,6 +17,7 @@ from ipmlang.geometry.skeleton_lines import Corner, Lines
 from ipmlang.geometry.solid import Floats
 
 STILL = 1e-12  # a speed below this is rounding
+FEW = 1 << 16  # pairs of corners and segments that are all looked at
 FLAT = 1e-3  # corners this straight are looked at when opposite sides fall together
 
 
@@ -84,7 +85,7 @@ def next_contacts(
     waits = np.where(growth < -STILL, np.maximum(length, 0) / np.maximum(-growth, STILL), inf)
     closing = int(waits.argmin())
     wait = float(waits[closing])
-    sunk = _Sinking(front, length, growth, reach)
+    sunk = _Sinking(front, length, growth, reach, wait)
     hit = sunk.first(wait)
     if hit is not None:
         wait = hit[0]
@@ -101,50 +102,53 @@ def next_contacts(
 
 
 class _Sinking:
-    """How corners that are not convex sink towards the segments (r, n)."""
+    """How corners that are not convex sink towards segments: pairs of them (p,) that may meet up to
+    a moment.
+    """
 
-    def __init__(self, front: _Front, length: Floats, growth: Floats, reach: float) -> None:
+    def __init__(
+        self, front: _Front, length: Floats, growth: Floats, reach: float, before: float
+    ) -> None:
         self.front, self.length, self.growth, self.reach = front, length, growth, reach
-        (self.rows,) = (front.turn < FLAT).nonzero()
-        rows = self.rows
-        if not len(rows):
-            return
-        x, y, vx, vy = (column[rows, None] for column in (front.x, front.y, front.vx, front.vy))
-        self.height = y * front.dx - x * front.dy - front.level
-        self.rise = vy * front.dx - vx * front.dy - front.speed
+        (rows,) = (front.turn < FLAT).nonzero()
+        if len(rows) * len(length) <= FEW or before == inf:
+            self.corner = np.repeat(rows, len(length))
+            self.segment = np.tile(np.arange(len(length)), len(rows))
+        else:
+            self.corner, self.segment = _near(front, rows, reach, before)
         # What starts at one node parts at once and for good: one is never the other's obstacle.
-        node = front.node[rows, None]
-        self.height[(node == front.node) | (node == front.node[front.on])] = inf
+        node, corner, segment = front.node, self.corner, self.segment
+        apart = (node[corner] != node[segment]) & (node[corner] != node[front.on[segment]])
+        corner, segment = self.corner, self.segment = corner[apart], segment[apart]
+        dx, dy = front.dx[segment], front.dy[segment]
+        self.height = front.y[corner] * dx - front.x[corner] * dy - front.level[segment]
+        self.rise = front.vy[corner] * dx - front.vx[corner] * dy - front.speed[segment]
 
     def first(self, before: float) -> tuple[float, int, int, float, float] | None:
         """The first touch up to a moment: wait, corner, segment, how far along, its length."""
-        if not len(self.rows):
-            return None
-        front, reach = self.front, self.reach
+        reach = self.reach
         falls = (self.rise < -STILL) & (self.height > -reach)
         if before < inf:
             falls &= self.height <= -self.rise * before
-        falls &= (front.turn[self.rows] < STILL)[:, None]
-        row, segment = (falls & (self.height < inf)).nonzero()
-        if not len(row):
+        falls &= self.front.turn[self.corner] < STILL
+        (pair,) = falls.nonzero()
+        if not len(pair):
             return None
-        wait = np.maximum(self.height[row, segment] / -self.rise[row, segment], 0)
-        along, length = self._along(self.rows[row], segment, wait)
+        wait = np.maximum(self.height[pair] / -self.rise[pair], 0)
+        along, length = self._along(self.corner[pair], self.segment[pair], wait)
         (on,) = ((along >= -reach) & (along <= length + reach) & (length >= -reach)).nonzero()
         if not len(on):
             return None
         at = int(on[wait[on].argmin()])
-        corner = int(self.rows[row[at]])
-        return float(wait[at]), corner, int(segment[at]), float(along[at]), float(length[at])
+        corner, segment = int(self.corner[pair[at]]), int(self.segment[pair[at]])
+        return float(wait[at]), corner, segment, float(along[at]), float(length[at])
 
     def touches(self, wait: float) -> list[tuple[int, int, float, float]]:
         """All corners that lie on segments after a wait."""
-        if not len(self.rows):
+        (pair,) = (np.abs(self.height + wait * self.rise) <= self.reach).nonzero()
+        if not len(pair):
             return []
-        row, segment = (np.abs(self.height + wait * self.rise) <= self.reach).nonzero()
-        if not len(row):
-            return []
-        corner = self.rows[row]
+        corner, segment = self.corner[pair], self.segment[pair]
         along, length = self._along(corner, segment, np.float64(wait))
         on = (along >= -self.reach) & (along <= length + self.reach)
         columns = (corner[on], segment[on], along[on], length[on])
@@ -159,3 +163,23 @@ class _Sinking:
         y = front.y[corner] - front.y[segment] + wait * (front.vy[corner] - front.vy[segment])
         along = x * front.dx[segment] + y * front.dy[segment]
         return along, self.length[segment] + wait * self.growth[segment]
+
+
+def _near(
+    front: _Front, rows: NDArray[np.intp], reach: float, before: float
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Pairs of corners and segments whose ways up to a moment come near each other: by the boxes
+    around all that each passes over.
+    """
+    import shapely
+
+    x, y = front.x, front.y
+    then_x, then_y = x + before * front.vx, y + before * front.vy
+    low = np.stack([np.minimum(x, then_x), np.minimum(y, then_y)]) - 2 * reach
+    high = np.stack([np.maximum(x, then_x), np.maximum(y, then_y)]) + 2 * reach
+    on = front.on
+    segments = shapely.box(*np.minimum(low, low[:, on]), *np.maximum(high, high[:, on]))
+    corners = shapely.box(*low[:, rows], *high[:, rows])
+    corner, segment = shapely.STRtree(segments).query(corners)
+    order = np.lexsort([segment, corner])
+    return rows[corner[order]], segment[order]

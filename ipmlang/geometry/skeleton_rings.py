@@ -9,11 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ipmlang.geometry.solid import Floats, GeometryError
+from ipmlang.geometry.solid import Floats, GeometryError, Indices
 
+Marks = NDArray[np.bool_]
+FEW = 64  # edges of which all pairs are looked at
+AT_ONCE = 1 << 20  # pairs of a point and an edge that are looked at together
 SAME = 1e-9  # points nearer than this part of the polygon's size are one
 NO_AREA = ("the polygon has no area", "it needs three corners that are not in one line")
 
@@ -111,11 +116,9 @@ def _check_crossings(rings: list[Ring], slack: float) -> None:
     a = np.concatenate([ring.points for ring in rings])
     b = np.concatenate([following(ring.points) for ring in rings])
     d = np.concatenate([directions(ring.points) for ring in rings])
-    ours = d[:, 0] * a[:, 1] - d[:, 1] * a[:, 0]
-    one = np.outer(d[:, 0], a[:, 1]) - np.outer(d[:, 1], a[:, 0]) - ours[:, None]
-    other = np.outer(d[:, 0], b[:, 1]) - np.outer(d[:, 1], b[:, 0]) - ours[:, None]
-    parts = (np.minimum(one, other) < -slack) & (np.maximum(one, other) > slack)
-    if (parts & parts.T).any():
+    one, other = _pairs(a, b)
+    parts = _on_both_sides(a, b, d, one, other, slack) & _on_both_sides(a, b, d, other, one, slack)
+    if parts.any():
         raise GeometryError(
             "the polygon crosses itself", "its outline and its holes must not cross"
         )
@@ -132,12 +135,46 @@ def _check_crossings(rings: list[Ring], slack: float) -> None:
             raise GeometryError("a hole of the polygon lies within another")
 
 
+def _pairs(start: Floats, end: Floats) -> tuple[Indices, Indices]:
+    """Pairs of edges (p,), (p,) that may cross: all of few, of many those whose boxes meet."""
+    if len(start) <= FEW:
+        return _all_pairs(len(start))
+    import shapely
+
+    boxes = shapely.box(*np.minimum(start, end).T, *np.maximum(start, end).T)
+    one, other = shapely.STRtree(boxes).query(boxes)
+    first = one < other
+    return one[first], other[first]
+
+
+@lru_cache(maxsize=FEW)
+def _all_pairs(count: int) -> tuple[Indices, Indices]:
+    return np.triu_indices(count, 1)
+
+
+def _on_both_sides(
+    start: Floats, end: Floats, along: Floats, one: Indices, other: Indices, slack: float
+) -> Marks:
+    """Whether the ends of other edges lie on both sides of the lines of some, pair by pair."""
+    (x, y), (u, v) = along[one].T, start[one].T
+    height = [x * (each[other, 1] - v) - y * (each[other, 0] - u) for each in (start, end)]
+    found: Marks = (np.minimum(*height) < -slack) & (np.maximum(*height) > slack)
+    return found
+
+
 def mostly_inside(ring: Floats, outline: Floats) -> bool:
     """Whether half of a ring (n, 2) or more lies within another, by its corners and midpoints."""
-    a, b = outline, following(outline)
     tested = np.concatenate([ring, (ring + following(ring)) / 2])
-    x, y = tested[:, 0, None], tested[:, 1, None]
+    step = max(1, AT_ONCE // len(outline))
+    parts = [tested[at : at + step] for at in range(0, len(tested), step)]
+    return 2 * sum(_count_inside(each, outline) for each in parts) >= len(tested)
+
+
+def _count_inside(points: Floats, outline: Floats) -> int:
+    """How many points (n, 2) lie within an outline."""
+    a, b = outline, following(outline)
+    x, y = points[:, 0, None], points[:, 1, None]
     rise = b[:, 1] - a[:, 1]
     spans = (a[:, 1] > y) != (b[:, 1] > y)
     at = a[:, 0] + (y - a[:, 1]) / np.where(rise == 0, 1.0, rise) * (b[:, 0] - a[:, 0])
-    return bool(((spans & (x < at)).sum(axis=1) % 2).sum() * 2 >= len(tested))
+    return int(((spans & (x < at)).sum(axis=1) % 2).sum())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -11,11 +12,12 @@ from geometry.footprint_samples import overlap, samples, shape_of_face, shapes
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ipmlang.geometry.areas import area_cuts, area_split
+from ipmlang.geometry.areas import area_cuts
 from ipmlang.geometry.arms import shape_l, shape_o, shape_u
 from ipmlang.geometry.pieces import Piece
 from ipmlang.geometry.rectangles import inner_rect
 from ipmlang.geometry.setbacks import classified_edges, offset, setback
+from ipmlang.geometry.slabs import slab
 from ipmlang.geometry.solid import GeometryError, Solid, area, polygon, unit_box, unit_square
 
 YARD = polygon([(0, 0), (10, 0), (10, 8), (0, 8)])
@@ -222,22 +224,23 @@ def test_arms_of_a_yard() -> None:
 
 @pytest.mark.parametrize("axis", ["x", "y"])
 def test_areas_are_met(axis: str) -> None:
-    """Each piece has its area, and all are the whole, for any outline."""
+    """What lies between the lines has its area, and all is the whole, for any outline."""
     chance = np.random.default_rng(5)
     for whole in SAMPLES:
         wanted = chance.dirichlet(np.ones(4)) * area(whole)
-        pieces = area_split(whole, axis, wanted.tolist())
-        assert [area(p.solid) for p in pieces] == pytest.approx(wanted, abs=1e-9 * area(whole))
-        assert_parted(whole, [piece.solid for piece in pieces])
+        lines = area_cuts(whole, axis, wanted.tolist()).tolist()
+        pieces = [slab(whole, "xy".index(axis), *span) for span in pairwise(lines)]
+        parts = [piece for piece in pieces if piece is not None]
+        assert [area(part) for part in parts] == pytest.approx(wanted, abs=1e-9 * area(whole))
+        assert_parted(whole, parts)
 
 
 def test_areas_that_do_not_fit() -> None:
     """A last piece is cut, none is made of nothing, and what is left over makes none."""
-    assert [area(p.solid) for p in area_split(YARD, "x", [20, 0, -3, 50, 40, 5])] == [20, 50, 10]
-    assert [area(p.solid) for p in area_split(YARD, "x", [20])] == [20]
+    cuts = area_cuts(YARD, "x", [20, 0, -3, 50, 40, 5])
+    parts = [slab(YARD, 0, a, b) if a < b else None for a, b in pairwise(cuts.tolist())]
+    assert [0 if each is None else area(each) for each in parts] == [20, 0, 0, 50, 10, 0]
     assert area_cuts(YARD, "y", [40, 40]).tolist() == [0, 4, 8]
-    with pytest.raises(GeometryError, match="not along z"):
-        area_split(YARD, "z", [1])
 
 
 # --- texture coordinates and tags ---------------------------------------------------------------

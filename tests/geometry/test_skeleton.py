@@ -30,8 +30,17 @@ from numpy.random import default_rng
 from shapely.geometry import Polygon
 from shapely.ops import unary_union
 
-from ipmlang.geometry.skeleton import Skeleton, offset_rings, straight_skeleton
+from ipmlang.geometry.skeleton import MOST, Skeleton, moved_rings, straight_skeleton
+from ipmlang.geometry.skeleton_rings import fit_rings
 from ipmlang.geometry.solid import GeometryError
+
+
+def offset_rings(
+    rings: Rings, distance: float, speeds: list[float] | None = None
+) -> list[tuple[np.ndarray, list[int]]]:
+    """Moved rings as points and the numbers of their edges."""
+    own = speeds or [1.0] * sum(map(len, rings))
+    return [(ring.points, ring.edges) for ring in moved_rings(fit_rings(rings), distance, own)]
 
 
 def face_areas(found: Skeleton) -> list[float]:
@@ -304,3 +313,19 @@ def test_speed(rings: Rings, seconds: float) -> None:
     start = process_time()
     straight_skeleton(rings)
     assert process_time() - start < 10 * seconds
+
+
+def test_too_many_corners_are_refused_before_the_work() -> None:
+    start = process_time()
+    with pytest.raises(GeometryError, match="10,000 corners"):
+        straight_skeleton([regular(10_000)])
+    assert process_time() - start < 5
+    assert MOST >= 1000
+
+
+def test_crossings_of_many_edges_are_found() -> None:
+    """Beyond a few edges only those whose boxes meet are looked at."""
+    ring = [(float(x), float(y)) for x, y in regular(300)]
+    ring[10], ring[12] = ring[12], ring[10]
+    with pytest.raises(GeometryError, match="crosses itself"):
+        straight_skeleton([ring])
