@@ -69,7 +69,7 @@ def test_front_is_ground_floors_and_cornice(bays: int, floors: int) -> None:
 
 
 def test_splits_pay() -> None:
-    before = listed(front(5, 3).parts())
+    before = listed(front(9, 6).parts())
     assert scheme_tokens(as_splits(before, SMALL), SMALL) < 0.5 * scheme_tokens(before, SMALL)
 
 
@@ -80,6 +80,23 @@ def test_walls_beside_bays_are_alike_and_give_way() -> None:
     left, bays, right = floor.cells
     assert left.length == pytest.approx(right.length) and left.elastic and right.elastic
     assert bays.elastic and bays.length == pytest.approx(2.8)
+
+
+def test_walls_and_cornices_follow_their_scope() -> None:
+    """So that a façade with more bays has a wall behind them."""
+    parts = front(5, 3).parts()
+    scheme = as_splits(listed(parts), SMALL)
+    followed = {}
+    for symbol in scheme.symbols:
+        for item in symbol.items if isinstance(symbol, Rule) else ():
+            if isinstance(item, Place) and item.margins is not None:
+                name = scheme.symbols[item.symbol].name
+                followed[name] = item.margins[0]
+                extent = np.where(np.isfinite(item.margins), item.margins + item.stretch, np.nan)
+                assert np.nanmax(np.abs(extent - symbol.size)) < 1e-9
+    assert set(followed) == {"wall", "cornice"}
+    assert np.isfinite(followed["wall"]).tolist() == [True, False, True]
+    assert np.isfinite(followed["cornice"]).tolist() == [True, False, False]
 
 
 def test_what_does_not_repeat_is_left_alone() -> None:
@@ -192,7 +209,7 @@ def test_planted_facades_draw_the_same_and_do_not_grow(seed: int) -> None:
     before = listed(parts)
     after = as_splits(before, SMALL)
     assert same(after, parts, 4 * SMALL)
-    bonus = 8 * len(splits(after))
+    bonus = 8 * len(splits(after)) + scheme_tokens(after, SMALL) // 8
     assert scheme_tokens(after, SMALL) <= scheme_tokens(before, SMALL) + bonus
     for rule in after.symbols:
         for item in rule.items if isinstance(rule, Rule) else ():

@@ -66,7 +66,7 @@ def item_tokens(item: Item, small: float) -> int:
         case Place():
             alone = placement_tokens(item.frames, small)
             if item.stretch is not None:
-                return int(alone.sum()) + (VECTOR + 3) * len(item.frames)
+                return int(alone.sum()) + stretch_tokens(item, small)
             return every_token(item.frames, alone, small)
         case Array():
             return _array_tokens(item, small)
@@ -80,6 +80,13 @@ def item_tokens(item: Item, small: float) -> int:
             return 2 + OCTANT * len(item.cuts) + cells + inner
         case _:
             assert_never(item)
+
+
+def stretch_tokens(place: Place, small: float) -> int:
+    """Tokens of `size(scope.sx - 1, y, z) insert(A) B` beyond those of `A`, brackets included."""
+    margins = np.zeros((0, 3)) if place.margins is None else place.margins
+    follows = np.isfinite(margins) & (np.abs(margins) > small)
+    return (VECTOR + 4) * len(place.frames) + 2 * int(follows.sum())
 
 
 def _array_tokens(array: Array, small: float) -> int:

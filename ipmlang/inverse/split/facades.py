@@ -18,10 +18,12 @@ from ipmlang.inverse.split.changing import begun_at, copies, needed, owned
 from ipmlang.inverse.split.contents import Contents, Kinds, contents, extents
 from ipmlang.inverse.split.cost import scheme_tokens
 from ipmlang.inverse.split.expansion import expand
+from ipmlang.inverse.split.following import following
 from ipmlang.inverse.split.guillotine import runs, side_by_side
 from ipmlang.inverse.split.matching import matched
 from ipmlang.inverse.split.scheme import Array, Item, Place, Ring, Rule, Scheme, Symbol, Terminal
 
+FOLLOWING = 8  # share of all tokens that may be spent on walls which follow their scope
 DEEPEST = 2  # times that the rules within a rule are opened before it is cut
 MOST = 2500  # rows of a rule that is cut
 NAMES = {0: "Bay", 1: "Bay", 2: "Floor"}  # of cells that repeat along an axis, for a person
@@ -35,8 +37,10 @@ def as_splits(scheme: Scheme, small: float) -> Scheme:
     if not all(copies(rule.items) for rule in rules):
         return scheme
     found = _named(_Rewriting(scheme, small).scheme())
-    if _score(found, small) >= _score(scheme, small):
+    saved = _score(scheme, small) - _score(found, small)
+    if saved <= 0:
         return scheme
+    found = following(found, small, saved + scheme_tokens(found, small) // FOLLOWING)
     return found if matched(expand(found), expand(scheme), 4 * small) else scheme
 
 

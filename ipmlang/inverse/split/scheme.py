@@ -26,12 +26,15 @@ class Terminal:
 class Place:
     """A symbol at each of n frames, for which there is no rule.
 
-    stretch: (n, 3) the sizes its scope is stretched to, None where it keeps its own.
+    stretch: (n, 3) the sizes its scope is stretched to, None where it keeps its own. margins:
+    (n, 3) for sizes that follow the scope of the rule, by how much they are less than it along
+    each axis, not a number where they do not; only beside `stretch`.
     """
 
     symbol: int
     frames: Frames
     stretch: Floats | None = None
+    margins: Floats | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
