@@ -140,7 +140,8 @@ class Symbol:
     left over does, None for nothing. `moves`: expanding or interpreting it can change the state for
     what follows (computed as a fixed point over productions). `carried`: how many parameters, the
     last ones of `arity`, are attributes that some `set` changes: nobody wrote them. `held`: what
-    its meaning does to the state ends with the body it stands in.
+    its meaning does to the state ends with the body it stands in. `apart`: in a program with
+    scopes, a module of it is derived as a string of its own, whose turtle starts where it stands.
     """
 
     name: str
@@ -152,6 +153,7 @@ class Symbol:
     moves: bool = False
     carried: int = 0
     held: bool = False
+    apart: bool = False
 
 
 @dataclass(frozen=True, slots=True)

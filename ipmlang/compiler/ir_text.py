@@ -63,7 +63,7 @@ def dump(program: ir.Program) -> str:
 
 def _symbol(program: ir.Program, number: int, symbol: ir.Symbol) -> Iterator[str]:
     words = [f"symbol {number} {symbol.name}/{symbol.arity}"]
-    words += ["moves"] * symbol.moves
+    words += ["moves"] * symbol.moves + ["apart"] * symbol.apart
     words += [f"carries {symbol.carried}"] * bool(symbol.carried)
     for word, alternatives in (
         ("productions", symbol.productions),

@@ -81,6 +81,13 @@ ITEMS = {
     "Head(a, b) : guard : 30% --> body": "A rule. The guard, the percentage or `weight w`, and the "
     "parameters may be left out; `else` is taken when it is reached. `A < B(x) > C` looks at what "
     "stands before and behind; a string above is its documentation.",
+    "Lot --> split x { ~1: House | 2: Tree(5) }": "Rules of all kinds in one file. What rules "
+    "without operations on scopes make, such as "
+    "`Tree`, is a string of its own where it has to be: where a symbol moves the turtle for "
+    "what stands behind it, where rules look at their neighbours, with `cut`, polygons and "
+    "`tropism`. Its turtle starts in the frame and with the pen of the scope (heading along x: "
+    "turn it up with `^(90)`), and it is what it would be alone. Such things cannot stand in a "
+    "rule that itself works on scopes: make a rule of its own of them.",
     "interpret Leaf --> F(1)": "A rule that is applied once, when the derivation is done.",
     "start Lot on box(8, 11, 0) steps 7": "The axiom, what it stands on, and for how many steps "
     "rules "

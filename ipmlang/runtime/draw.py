@@ -40,6 +40,14 @@ class _Drawn:
 
 def drawn(program: ir.Program, stream: Stream, turtle: Turtle) -> tuple[Rows, Polygons]:
     """All that a stream draws, in its order."""
+    rows, polygons, _ = drawn_along(program, stream, turtle)
+    return rows, polygons
+
+
+def drawn_along(
+    program: ir.Program, stream: Stream, turtle: Turtle
+) -> tuple[Rows, Polygons, Whole]:
+    """The same, and at which place of the stream each row is drawn (n,)."""
     polygons: Polygons = ()
     acts: list[_Drawn] = []
     nest = _nesting(stream)
@@ -53,22 +61,31 @@ def drawn(program: ir.Program, stream: Stream, turtle: Turtle) -> tuple[Rows, Po
     if nest is not None:
         outlines, polygons = _polygons(stream, turtle, nest)
         acts += outlines
-    return _rows(program, stream, turtle, [each for each in acts if len(each.act.at)]), polygons
+    acts = [each for each in acts if len(each.act.at)]
+    order = _order(stream.length, [each.act.at for each in acts])
+    at = np.empty(sum(map(len, order)), np.int64)
+    for each, rows in zip(acts, order, strict=True):
+        at[rows] = each.act.at
+    return _rows(program, stream, turtle, acts, order, at), polygons, at
 
 
 def _visible(stream: Stream, op: str) -> list[Act]:
     return [act for act in stream.of(op) if not act.hidden]
 
 
-def _rows(program: ir.Program, stream: Stream, turtle: Turtle, acts: list[_Drawn]) -> Rows:
-    order = _order(stream.length, [each.act.at for each in acts])
-    count = sum(len(row) for row in order)
-    at = np.empty(count, np.int64)
+def _rows(
+    program: ir.Program,
+    stream: Stream,
+    turtle: Turtle,
+    acts: list[_Drawn],
+    order: list[Whole],
+    at: Whole,
+) -> Rows:
+    count = len(at)
     size = np.zeros((count, 3))
     asset, shape, symbol, rule = (np.full(count, -1, np.int32) for _ in range(4))
     key = np.zeros(count, np.uint64)
     for each, rows in zip(acts, order, strict=True):
-        at[rows] = each.act.at
         asset[rows], shape[rows], symbol[rows] = each.asset, each.shape, each.act.modules.symbol
         rule[rows] = _of(each.act, each.act.modules.rule)
         key[rows] = _of(each.act, packed(each.act.modules.k0, each.act.modules.k1))

@@ -20,13 +20,13 @@ from ipmlang.runtime.bodies import OWN
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.grouping import FIELD, Grouping
 from ipmlang.runtime.keys import Words
-from ipmlang.runtime.scene import SCOPE, SOLID
+from ipmlang.runtime.scene import OUTLINE, SCOPE, SOLID
 from ipmlang.runtime.scopes.joining import with_joined
 from ipmlang.runtime.scopes.joins import FIELD as JOIN
 from ipmlang.runtime.scopes.joins import Joining
 from ipmlang.runtime.scopes.laying import FIELD as UV
 from ipmlang.runtime.scopes.laying import Laying
-from ipmlang.runtime.scopes.pool import Pool
+from ipmlang.runtime.scopes.pool import NOTHING, Pool
 
 Places = NDArray[np.int32]
 BLOCK = 1 << 16  # rows that are worked on at once
@@ -100,9 +100,13 @@ def rows(
     geometry = constant(0.0, count, np.float64)
     if "geo" in initial:
         geometry = columns.field("geo", np.float64, 0.0)
+        outlined = asset == OUTLINE
+        if outlined.any():
+            shape = np.where(outlined, geometry, -1).astype(np.int32)
+            geometry = np.where(outlined, NOTHING, geometry)
         if not pool.only_boxes:
             asset = np.where(asset == SCOPE, pool.kinds(geometry), asset)
-            shape = np.where(asset == SOLID, geometry, -1).astype(np.int32)
+            shape = np.where(asset == SOLID, geometry, shape).astype(np.int32)
     position = columns.table([*("xy" if "angle" in initial else "xyz")], 3)
     rotation = _rotation(columns, count, "angle" in initial)
     size = columns.sizes()

@@ -30,8 +30,9 @@ from ipmlang.runtime.order import Drawn, Made, Order, Record
 from ipmlang.runtime.pending import FINAL, Pending, Shapes
 from ipmlang.runtime.queries.marks import FIELD as MARK
 from ipmlang.runtime.queries.marks import PHASE, SEEN
-from ipmlang.runtime.scene import SEGMENT
+from ipmlang.runtime.scene import OUTLINE, SEGMENT
 from ipmlang.runtime.scopes.ground import first_keys, standing
+from ipmlang.runtime.scopes.growing import grow
 from ipmlang.runtime.scopes.joins import Joining
 from ipmlang.runtime.scopes.solids import AssetSolids
 from ipmlang.runtime.scopes.trimming import Trimming
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
     from ipmlang.runtime.queries.occluders import Occluders
 
 NARROW = 24  # so few shapes run one by one
+FLAT = (SEGMENT, OUTLINE)  # what a turtle draws has no scope
 
 NOTHING = Made(0, 0, np.zeros(0, np.int64))
 
@@ -78,6 +80,7 @@ class Frontier(Trimming):
         self.drawings = 0
         self.grouping = Grouping()
         self.joining = Joining()
+        self.polygons: tuple[NDArray[np.float64], ...] = ()
         self.notes: tuple[str, ...] = ()
         self._single = Single(self)
 
@@ -133,6 +136,9 @@ class Frontier(Trimming):
     def _derive(self, symbol: int, generation: int, shapes: Shapes) -> None:
         """Rewrite or interpret a batch of shapes of one symbol."""
         self._check(symbol, shapes)
+        if self.program.symbols[symbol].apart and generation < FINAL:
+            grow(self, symbol, generation, shapes)
+            return
         numbers = self.alternatives(symbol, generation)
         if not numbers:
             self._apply_meaning(symbol, shapes)
@@ -288,7 +294,7 @@ class Frontier(Trimming):
 
         drawn: list[tuple[Mapping[str, Column], int]] = []
         for chunk in self.chunks if self.asked is not None and self.asked.drawn else ():
-            if isinstance(chunk.asset, int) and chunk.asset != SEGMENT and chunk.count:
+            if isinstance(chunk.asset, int) and chunk.asset not in FLAT and chunk.count:
                 seen = [name for name in SEEN if name in chunk.state]
                 own = {name: chunk.column(chunk.state[name]) for name in seen}
                 drawn.append((self.with_asset(chunk.asset, own), chunk.count))

@@ -60,6 +60,13 @@ def derived(
         start = rewriter.axiom(seed)
     except ShapeError as found:
         raise told_way(found.error, way_of(())) from found
+    return grown_from(rewriter, start, count, history)
+
+
+def grown_from(
+    rewriter: Rewriter, start: Block, count: int | None, history: History | None = None
+) -> String:
+    """The same from the modules of a block of one row."""
     if _looks_around(rewriter.program):
         return _step_by_step(rewriter, start, count, history)
     return _at_once(rewriter, start, count, history)

@@ -36,6 +36,7 @@ class Counted:
         self._program = program
         self._limits = limits
         self.shapes = 1
+        self.strung = 0  # modules of strings, which nobody numbers
         self._drawings = 0
         self.rule = -1
         self.now: NDArray[np.int32] = np.zeros(1, np.int32)
@@ -56,8 +57,8 @@ class Counted:
         """Count new shapes; the number of the first."""
         start = self.shapes
         self.shapes += count
-        if self.shapes > self._limits.shapes:
-            self._stop("shapes", self._limits.shapes, self.shapes)
+        if self.shapes + self.strung > self._limits.shapes:
+            self._stop("shapes", self._limits.shapes, self.shapes + self.strung)
         self._remember()
         return start
 
@@ -79,6 +80,17 @@ class Counted:
         if depth > bound:
             self.rule = rule
             self._stop(kind, bound, depth)
+
+    def left(self, depth: int) -> ir.Limits:
+        """The limits of what is derived below a generation."""
+        used = self.shapes * SHAPE_BYTES + self._drawings * DRAWING_BYTES
+        return replace(
+            self._limits,
+            shapes=max(self._limits.shapes - self.shapes - self.strung, 0),
+            steps=max(self._limits.steps - depth, 0),
+            depth=max(self._limits.depth - depth, 0),
+            memory=max(self._limits.memory - used, 0),
+        )
 
     def room(self, depth: int) -> int:
         """How many generations may still follow, and one more."""

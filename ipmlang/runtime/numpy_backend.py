@@ -42,9 +42,9 @@ def derive_frontier(
 
     Raises IpmError where a limit is reached, no production applies, or a number is not finite.
     """
-    if program.scoped:
-        _refuse_threads(program)
-    elif not is_independent(program) or (_modules(program) > LONG and tell is None):
+    if not program.scoped and (
+        not is_independent(program) or (_modules(program) > LONG and tell is None)
+    ):
         return None
     bound = Bound(program, attrs, FUNCTIONS)
     initial = fields(program)
@@ -88,27 +88,16 @@ def derive_frontier(
     made = scene(
         program,
         rows,
+        frontier.polygons,
         seed=seed,
         generations=frontier.generations,
-        shapes=frontier.shapes + frontier.drawings,
+        shapes=frontier.shapes + frontier.counted.strung + frontier.drawings,
     )
     made.solids = frontier.pool.solids()
     made.reports = frontier.reports.sums()
     made.notes += frontier.notes + frontier.snap_notes()
     made.notes += unfit_notes(program, frontier.reports)
     return made
-
-
-def _refuse_threads(program: ir.Program) -> None:
-    """A program with scopes expands shape by shape."""
-    if is_independent(program):
-        return
-    raise fail(
-        "not-executable",
-        "a program with scopes cannot hold a turtle that carries on behind a rule, `cut`, a "
-        "polygon, a tropism or a context yet",
-        hint="put brackets around a symbol that moves the turtle: [ Branch ]",
-    )
 
 
 def is_independent(program: ir.Program) -> bool:

@@ -56,12 +56,9 @@ class Analysis:
             or any(self._read(each.body, live=False)[0] for each in productions)
         )
 
-    def where_it_threads(self, axiom: ir.Production) -> tuple[ir.Production, ir.Instruction] | None:
-        """The first production with a child that threads, and the child."""
-        for each in (axiom, *self._productions):
-            if self._read(each.body, live=False)[0] and self.threading is not None:
-                return each, self.threading
-        return None
+    def threads(self, body: Sequence[ir.Instruction]) -> ir.Instruction | None:
+        """A child of a body that moves the turtle for what stands behind it, if there is one."""
+        return self.threading if self._read(body, live=False)[0] else None
 
     def _own_bodies(self, symbol: ir.Symbol, stepped: bool) -> list[tuple[ir.Instruction, ...]]:
         """All that a module of a symbol may become, its meaning included where that may be left."""

@@ -18,6 +18,7 @@ from ipmlang.compiler.lower.expr import Code, Pool
 from ipmlang.compiler.lower.meaning import Meanings, steps_of
 from ipmlang.compiler.lower.names import Place, Unit
 from ipmlang.compiler.lower.productions import axiom, production
+from ipmlang.compiler.lower.strings import Misplaced, Strings
 from ipmlang.compiler.lower.tables import Tables
 from ipmlang.compiler.ops import OPERATIONS, Operation
 
@@ -72,13 +73,17 @@ class Lowering:
         first = made.axiom
         stepped = start.steps is not None
         found = analysis.Analysis(made.symbols, made.productions, stepped, scoped)
+        symbols = found.symbols()
         if scoped:
-            self._refuse_threads(found, first, number)
+            strings = Strings(symbols, made.productions, found, tropism is not None)
+            self._refuse_misplaced(strings.misplaced(first), number)
+            pairs = zip(symbols, strings.apart, strict=True)
+            symbols = tuple(replace(symbol, apart=apart) for symbol, apart in pairs)
         canvas, size = settings.canvas(self._pool, self._main)
         flat = not scoped and analysis.flat(made.symbols, tropism)
         residual = self._residual(flat)
         return ir.Program(
-            found.symbols(),
+            symbols,
             made.productions,
             first,
             (*self._attrs, *settings.hidden(self._indices)),
@@ -86,7 +91,7 @@ class Lowering:
             tuple(self._pool.assets),
             tuple(self._pool.strings),
             steps,
-            found.threaded(first),
+            not scoped and found.threaded(first),
             flat,
             settings.is_abop(self._turtle),
             tropism,
@@ -281,26 +286,26 @@ class Lowering:
             unit.diagnostic(item, span, "not-executable", message)
         )
 
-    def _refuse_threads(self, found: analysis.Analysis, axiom: ir.Production, start: int) -> None:
-        """A program with scopes expands shape by shape: no child may move what stands behind it."""
-        threading = found.where_it_threads(axiom)
-        if threading is None:
+    def _refuse_misplaced(self, wrong: Misplaced | None, start: int) -> None:
+        """Shapes with scopes expand one by one: what needs a string cannot stand among them."""
+        if wrong is None:
             return
-        production, child = threading
-        assert isinstance(child.const, int)
-        name = self._symbols[child.const].name
+        production, place = wrong.production, wrong.place
         unit = next(
             (each for each in self._units if each.source.path == production.path), self._main
         )
         item = start if production.symbol < 0 else production.item
-        raise unit.error(
-            item,
-            ast.Span(*child.span),
-            "not-executable",
-            f"`{name}` moves the turtle for what stands behind it, which a program with scopes "
-            "cannot do yet",
-            hint=f"put brackets around it: [ {name} ]",
-        )
+        span = unit.grammar.items[item].span if place is None else ast.Span(*place.span)
+        message = f"{wrong.what} cannot stand in a rule that scopes come through"
+        hint = "make a rule of its own of it, without operations on scopes: that is a string"
+        if not wrong.what and place is not None:
+            assert isinstance(place.const, int)
+            name = self._symbols[place.const].name
+            message = f"`{name}` moves the turtle for what stands behind it, and this rule is no "
+            message += "string: scopes come through it"
+            hint = f"put brackets around it, [ {name} ], or make a rule of its own of this part, "
+            hint += "without operations on scopes"
+        raise unit.error(item, span, "not-executable", message, hint)
 
     def _raise_refused(self) -> None:
         """One error an operation, at its first use; the others are counted."""

@@ -1,0 +1,144 @@
+"""Turtles in a program with scopes: which symbols are derived as strings of their own.
+
+In go symbols and productions, out come flags, and what no string can hold because it stands among
+operations on scopes. Shapes with scopes expand one by one; what carries on behind a rule, looks at
+its neighbours, is cut, bent or filled needs the whole string around it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from ipmlang.compiler import ir
+from ipmlang.compiler.lower.analysis import Analysis
+
+FILLING = frozenset({"polygon_open", "polygon_close", "vertex"})
+# what a turtle of a string can do, and the fields of its pen
+TURTLE = frozenset({
+    "move", "rotate", "orient", "scale", "mirror", "level", "segment", "emit", "layer", "cut",
+}) | FILLING  # fmt: skip
+PENS = frozenset({"width", "color", "fill", "stroke", "css", "material", "texture"})
+VALUES = ir.VALUE_OPS - ir.SCOPE_OPS
+BODIES = frozenset({"module", "open", "close", "repeat"})
+
+
+@dataclass(frozen=True, slots=True)
+class Misplaced:
+    """What stands in a rule with scopes and needs a string: where, and what is wrong with it."""
+
+    production: ir.Production
+    place: ir.Instruction | None
+    what: str
+
+
+class Strings:
+    """Which symbols are strings of their own; `bent`: there is a tropism."""
+
+    def __init__(
+        self,
+        symbols: Sequence[ir.Symbol],
+        productions: Sequence[ir.Production],
+        found: Analysis,
+        bent: bool,
+    ) -> None:
+        self._symbols = symbols
+        self._productions = productions
+        self._found = found
+        self._bent = bent
+        own = [self._own(symbol) for symbol in symbols]
+        children = [{number for each in every for number in _called(each.body)} for every in own]
+        plain = [self._is_plain(*pair) for pair in zip(symbols, own, strict=True)]
+        mixed = _closed([not each for each in plain], children)
+        needs = _closed([any(map(self._needs, every)) for every in own], children)
+        pairs = zip(needs, mixed, own, strict=True)
+        self.apart = [bool(every) and need and not other for need, other, every in pairs]
+
+    def misplaced(self, axiom: ir.Production) -> Misplaced | None:
+        """The first thing that needs a string where there is none."""
+        for each in (axiom, *self._productions):
+            if each.symbol < 0 or not self.apart[each.symbol]:
+                wrong = self._wrong(each)
+                if wrong is not None:
+                    return wrong
+        return None
+
+    def _own(self, symbol: ir.Symbol) -> list[ir.Production]:
+        numbers = symbol.productions + symbol.interpretation
+        return [self._productions[number] for number in numbers]
+
+    def _is_plain(self, symbol: ir.Symbol, own: Sequence[ir.Production]) -> bool:
+        """Whether a turtle alone can do what a symbol says itself."""
+        meaning = symbol.meaning or ()
+        return (
+            not (symbol.held and meaning)
+            and all(map(_is_turtles, meaning))
+            and all(each.op in VALUES | BODIES for rule in own for each in _code(rule))
+        )
+
+    def _needs(self, production: ir.Production) -> bool:
+        return self._wrong(production) is not None
+
+    def _wrong(self, production: ir.Production) -> Misplaced | None:
+        """What in a production needs a string around it."""
+        if production.left or production.right:
+            return Misplaced(production, None, "a context")
+        for each in _all(production.body):
+            what = self._needed(each) if each.op == "module" else None
+            if what is not None:
+                return Misplaced(production, each, what)
+        child = self._found.threads(production.body)
+        return None if child is None else Misplaced(production, child, "")
+
+    def _needed(self, module: ir.Instruction) -> str | None:
+        """What a module needs a string for, in the words of the message."""
+        symbol = self._symbols[_number(module)]
+        ops = {each.op for each in symbol.meaning or ()}
+        if ops & FILLING:
+            return "a polygon of the turtle"
+        if "cut" in ops:
+            return "`cut`"
+        if self._bent and "segment" in ops:
+            return "a segment that a tropism bends"
+        if any(each.left or each.right for each in self._own(symbol)):
+            return f"`{symbol.name}`, whose rules look at what stands beside it,"
+        return None
+
+
+def _closed(flags: Sequence[bool], children: Sequence[set[int]]) -> list[bool]:
+    """Flags that hold for all from which they can be reached."""
+    found = list(flags)
+    growing = True
+    while growing:
+        growing = False
+        for number, below in enumerate(children):
+            if not found[number] and any(found[each] for each in below):
+                found[number] = growing = True
+    return found
+
+
+def _is_turtles(each: ir.Instruction) -> bool:
+    if each.op == "pen":
+        return isinstance(each.const, tuple) and each.const[0] in PENS
+    return each.op in VALUES or each.op in TURTLE
+
+
+def _code(production: ir.Production) -> Iterator[ir.Instruction]:
+    guard = () if production.guard is None else production.guard[0]
+    chance = () if production.chance is None else production.chance[1]
+    return _all((*guard, *chance, *production.body))
+
+
+def _all(code: Sequence[ir.Instruction]) -> Iterator[ir.Instruction]:
+    for each in code:
+        yield each
+        yield from _all(each.body)
+
+
+def _called(code: Sequence[ir.Instruction]) -> Iterator[int]:
+    return (_number(each) for each in _all(code) if each.op == "module")
+
+
+def _number(each: ir.Instruction) -> int:
+    assert isinstance(each.const, int)
+    return each.const
