@@ -116,7 +116,7 @@ def observed(path: Path, up: Up, limit: float) -> tuple[Parts, Mesh]:
     from ipmlang.inverse.parts import observe_with_faces
 
     try:
-        return observe_with_faces(path, up=up, within=ALIKE * limit)
+        return observe_with_faces(path, up=up, within=ALIKE * limit, same_triangles=True)
     except FormatError as error:
         raise unreadable(path, error) from error
 

@@ -22,13 +22,14 @@ from ipmlang.inverse.parts.classes import MOST_SYMMETRY, Classes, ShapeClass, cl
 from ipmlang.inverse.parts.mending import sound
 from ipmlang.inverse.parts.naming import class_names
 from ipmlang.inverse.parts.observation import PartClass, Parts
-from ipmlang.inverse.parts.pieces import Pieces, piece_mesh, sorted_pieces
+from ipmlang.inverse.parts.pieces import Pieces, piece_mesh, sorted_pieces, with_diagonals
 from ipmlang.inverse.parts.segmenting import segmented
 from ipmlang.inverse.parts.soup import Soup, gathered
 from ipmlang.inverse.parts.upward import upward
 from ipmlang.inverse.parts.welding import connected_faces, welded
 
 EXACT = 1e-6  # share of the diagonal that equal parts may differ by
+FINER = 1.1  # times as many shapes there may be for the sake of equal triangles
 
 
 def observe(
@@ -56,16 +57,20 @@ def observe_with_faces(
     unit: float = 1.0,
     within: float | None = None,
     keep_uv: bool = False,
+    same_triangles: bool = False,
 ) -> tuple[Parts, Mesh]:
     """The same, and all faces of the model in the world, z up, as they were read but for what was
-    mended: what a proof compares with.
+    mended: what a proof compares with. same_triangles: where the file's faces allow it, copies
+    also have the triangles that a fan from the first corner cuts their faces into.
     """
     path = Path(path)
     scene = read_meshes(path)
     turned, guess = upward(path, scene, up)
     soup = gathered(scene, turned, unit)
     reach = EXACT if within is None else within
-    parts, mesh = _taken_apart(soup, reach, path.stem, keep_uv, (*scene.notes, *guess))
+    parts, mesh = _taken_apart(
+        soup, reach, path.stem, keep_uv, (*scene.notes, *guess), same_triangles
+    )
     up_in_file: Literal["y-up", "z-up"] = "y-up" if turned else "z-up"
     return replace(parts, up=up_in_file, source_bytes=path.stat().st_size), mesh
 
@@ -84,7 +89,12 @@ def parts_of(
 
 
 def _taken_apart(
-    soup: Soup, within: float, stem: str, keep_uv: bool, said: tuple[Note, ...]
+    soup: Soup,
+    within: float,
+    stem: str,
+    keep_uv: bool,
+    said: tuple[Note, ...],
+    same_triangles: bool = False,
 ) -> tuple[Parts, Mesh]:
     mesh = soup.mesh
     diagonal = float(np.linalg.norm(np.ptp(mesh.vertices[mesh.corners], axis=0)))
@@ -100,7 +110,7 @@ def _taken_apart(
     _, part = np.unique(part[kept], return_inverse=True)
     part, cut = segmented(better, same, part, diagonal, within * diagonal)
     pieces = sorted_pieces(better, same, part, keep_uv)
-    found = classified(pieces, within * diagonal)
+    found = _classes(pieces, within * diagonal, same_triangles)
     told = _told(replace(soup, mesh=better), pieces, found, diagonal, stem)
     parts = replace(
         told,
@@ -109,6 +119,17 @@ def _taken_apart(
         notes=(*said, *_unused(mesh), *mended, *cut, *told.notes),
     )
     return parts, better
+
+
+def _classes(pieces: Pieces, tolerance: float, same_triangles: bool) -> Classes:
+    """The classes of parts; where asked for, of parts whose copies have the same triangles, unless
+    that tells many more shapes apart: faces may begin at any of their corners.
+    """
+    found = classified(pieces, tolerance)
+    if not same_triangles or not (np.diff(pieces.offsets) > 3).any():
+        return found
+    finer = classified(with_diagonals(pieces), tolerance)
+    return finer if len(finer.classes) <= FINER * len(found.classes) + 1 else found
 
 
 def _told(soup: Soup, pieces: Pieces, found: Classes, diagonal: float, stem: str) -> Parts:

@@ -7,7 +7,7 @@ vertices are those of the file.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
@@ -85,6 +85,20 @@ def sorted_pieces(mesh: Mesh, same: Integers, part: Integers, keep_uv: bool) -> 
         before,
         order,
     )
+
+
+def with_diagonals(pieces: Pieces) -> Pieces:
+    """The pieces told apart also by the triangles that a fan cuts their faces into: of faces of
+    four the diagonal counts, of larger ones the first corner.
+    """
+    size = np.diff(pieces.offsets)
+    step = np.arange(len(pieces.corners)) - np.repeat(pieces.offsets[:-1], size)
+    around = np.repeat(size, size)
+    joined = np.where(around == 4, step % 2 == 0, (step == 0) & (around > 4))
+    columns = [joined[:, None].astype(np.float64)]
+    if pieces.laid is not None:
+        columns.append(pieces.laid)
+    return replace(pieces, laid=np.concatenate(columns, axis=1))
 
 
 def _laid(mesh: Mesh, faces: Integers, corner: Integers, keep_uv: bool) -> Floats | None:
