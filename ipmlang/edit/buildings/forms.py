@@ -16,9 +16,10 @@ import numpy as np
 from ipmlang.compiler import ast, ir
 from ipmlang.compiler.diagnostics import IpmError, fail
 from ipmlang.edit.arithmetic import literal
+from ipmlang.edit.buildings.baking import Asset, Baking
 from ipmlang.edit.buildings.tree import Tree
 from ipmlang.edit.symbols import Elements, taken_names
-from ipmlang.inverse.frames import Floats, Frames, compose, inverse, linear
+from ipmlang.inverse.frames import Floats, Frames, compose, identity, inverse, linear
 from ipmlang.inverse.split.placing import Precision, spots, steps_to
 from ipmlang.inverse.split.wording import all_nothing, bracket, call, times
 from ipmlang.runtime.scene import SCOPE
@@ -31,6 +32,7 @@ BOUND = ("uv", "join", "effect")  # of the state: what cannot be said apart from
 EXTENTS: Vector = (ast.Name("scope.sx"), ast.Name("scope.sy"), ast.Name("scope.sz"))
 EXACT = Precision(0.0)
 FEW = 1e-9  # of a size that is nothing
+SQUARE = 1e-7  # how far axes may be off that are the same
 
 
 @dataclass(slots=True, eq=False)
@@ -45,6 +47,7 @@ class Forms:
     _fitted: dict[object, str] = field(default_factory=dict)
     _filling: dict[int, bool] = field(default_factory=dict)
     _labels: dict[str, str] = field(default_factory=dict)
+    baking: Baking | None = None
 
     def __post_init__(self) -> None:
         from ipmlang.compiler.ops import FUNCTIONS, OPERATIONS
@@ -73,9 +76,9 @@ class Forms:
         """Whether a unit is as large as its scope says."""
         kind, row = unit
         if kind == "terminal":
-            return not self._is_free_asset(row)
+            return not self.tree.is_natural(row) and not self.is_solid(row)
         symbol = int(self.tree.lineage.symbol[row])
-        return symbol >= 0 and self._symbol_fills(symbol)
+        return symbol >= 0 and self._symbol_fills(symbol) and self._has_box(row)
 
     def box(self, unit: Unit) -> tuple[Floats, Floats]:
         """(3,) the corners of a unit in its own axes: its scope, where it fills that."""
@@ -97,10 +100,15 @@ class Forms:
             size = np.where(size > 0, size, last - first)
         return np.asarray(size * self.frame(unit).scale[0])
 
-    def _is_free_asset(self, row: int) -> bool:
-        table = self.tree.scene.instances
-        number = int(table.asset[row])
-        return number >= 0 and self.tree.scene.assets[number].name == self.name(("terminal", row))
+    def is_solid(self, row: int) -> bool:
+        """Whether a terminal has a geometry that only its rule can say."""
+        number = int(self.tree.scene.instances.asset[row])
+        return number < 0 and number != SCOPE
+
+    def _has_box(self, row: int) -> bool:
+        """Whether the geometry of a shape is all of its scope."""
+        number = int(self.tree.lineage.state["geo"][row])
+        return number <= BOX or len(self.tree.scene.solids[number].vertices) in (4, 8)
 
     def _symbol_fills(self, symbol: int) -> bool:
         if symbol not in self._filling:
@@ -150,20 +158,46 @@ class Forms:
         size = tuple(literal(float(each)) for each in self.box(unit)[1]) if self.fills(unit) else ()
         return self._said(unit, around, size)
 
-    def fitted(self, unit: Unit, around: int, size: Vector) -> Elements:
-        """A unit in a scope of a size, whose origin is the low corner of its box."""
+    def fitted(self, unit: Unit, around: int, size: Vector, base: Frames | None = None) -> Elements:
+        """A unit in a scope of a size, whose origin is the low corner of its box, in the axes of
+        `base`, or in its own.
+        """
         kind, row = unit
-        if self.fills(unit):
+        turned = base is not None and not self.is_square(unit, base)
+        if self.fills(unit) and not turned:
             return self._said(unit, around, size)
         pens = self.pens(unit, around)
-        if kind == "terminal":
-            name = self.name(unit)
-            label = self._labels.get(name)
-            if label is None:
-                label = self._labels[name] = self.new_name(f"{name}_fitted")
-            asset = call("insert", ast.Name(name))
-            return (*pens, call("size", *size), asset, ast.Module(label))
-        return (*pens, call("size", *size), ast.Module(self._fit_rule(row)))
+        scope = call("size", *size)
+        if kind == "shape":
+            own = base if turned and base is not None else self.frame(unit)
+            return (*pens, scope, ast.Module(self._fit_rule(row, own)))
+        name = self.name(unit)
+        if turned or self.is_solid(row):
+            name = self._bake(row, base if base is not None else self.frame(unit)).name
+        return (*pens, scope, call("insert", ast.Name(name)), ast.Module(self._label(name)))
+
+    def box_in(self, unit: Unit, base: Frames) -> tuple[Floats, Floats]:
+        """(3,) the corners of a unit in the axes of a frame, and from its origin."""
+        kind, row = unit
+        rows = [row] if kind == "terminal" else self.tree.below(row)
+        return self.tree.box_of(rows, base)
+
+    def is_square(self, unit: Unit, base: Frames) -> bool:
+        """Whether the axes of a unit are those of a frame, in whatever order and direction."""
+        turned = linear(compose(inverse(base), self.frame(unit)))[0]
+        turned = turned / np.cbrt(abs(np.linalg.det(turned)))
+        return bool(np.abs(np.abs(turned).max(axis=0) - 1).max() <= SQUARE)
+
+    def _label(self, name: str) -> str:
+        if name not in self._labels:
+            self._labels[name] = self.new_name(f"{name}_fitted")
+        return self._labels[name]
+
+    def _bake(self, row: int, base: Frames) -> Asset:
+        if self.baking is None:
+            self.baking = Baking(self.tree, self.new_name)
+        self.pens(("terminal", row), int(self.tree.owner[row]))
+        return self.baking.bake(row, base)
 
     def _said(self, unit: Unit, around: int, size: tuple[ast.Expr, ...]) -> Elements:
         kind, row = unit
@@ -180,7 +214,7 @@ class Forms:
                 scope.append(call("insert", ast.Name(self.tree.scene.assets[number].name)))
             return (*pens, *scope, ast.Module(self.name(unit)))
         if number != SCOPE:
-            raise _unsaid(self, unit, "it is cut, bent or put together by its rule")
+            return (*pens, ast.Module(self._bake(row, self.frame(unit)).name))
         geometry = self.tree.lineage.pens.get("geo")
         own = BOX if geometry is None else int(geometry[row])
         scope += self._geometry(own, row, around, self.tree.terminals.high[row])
@@ -195,10 +229,6 @@ class Forms:
         same = (high[2] > 0) == (self.tree.size[around][2] > 0)
         if own == NOTHING or (own == outer == BOX and same):
             return []
-        numbers = self.tree.scene.solids
-        filled = own == BOX or len(numbers[int(own)].vertices) in (4, 8)
-        if not filled:
-            raise _unsaid(self, ("shape", row), "its ground is no rectangle and no box")
         return [ast.Module("cube" if high[2] > 0 else "quad")]
 
     def call(self, row: int) -> ast.Module:
@@ -253,11 +283,10 @@ class Forms:
 
     # ---------------------------------------------------------------------- relative rules
 
-    def _fit_rule(self, row: int) -> str:
-        """The rule that draws a shape in shares of its scope."""
+    def _fit_rule(self, row: int, base: Frames) -> str:
+        """The rule that draws a shape in shares of its scope, whose axes are those of a frame."""
         symbol = self.tree.names[row]
-        low, high = self.box(("shape", row))
-        body = self._shares(row, low, high)
+        body = self._shares(row, base)
         key = (symbol, body)
         if key not in self._fitted:
             name = self.new_name(f"{symbol.rpartition('.')[2]}_fitted")
@@ -265,17 +294,16 @@ class Forms:
             self.rules[name] = (symbol, body)
         return self._fitted[key]
 
-    def _shares(self, row: int, low: Floats, high: Floats) -> Elements:
+    def _shares(self, row: int, base: Frames) -> Elements:
+        low, high = self.box_in(("shape", row), base)
         extent = high - low
-        own = self.frame(("shape", row))
         body: list[ast.Element] = []
-        for unit in self.parts(row):
-            frame = compose(inverse(own), self.frame(unit))
-            first, last = self.box(unit)
+        for unit in self._square_parts(row, base):
+            square = self.is_square(unit, base)
+            first, last = self.box(unit) if square else self.box_in(unit, base)
+            frame = compose(inverse(base), self.frame(unit)) if square else identity()
             turned = linear(frame)[0]
             axis = np.abs(turned).argmax(axis=0)
-            if np.abs(np.abs(turned).max(axis=0) - frame.scale[0]).max() > 1e-9:
-                raise _unsaid(self, unit, "it stands askew in what is stretched")
             corner = turned @ first + frame.position[0]
             size = (last - first) * frame.scale[0]
             x, y, z = (_share(corner[k] - low[k], extent[k], EXTENTS[k]) for k in range(3))
@@ -283,10 +311,38 @@ class Forms:
             scope = [_share(size[k], extent[axis[k]], EXTENTS[axis[k]]) for k in range(3)]
             bare = Frames(np.zeros((1, 3)), frame.rotation, frame.hand, np.ones(1))
             turn = steps_to(spots(bare, EXACT, 1.0)[0])
-            inner = self.fitted(unit, row, (scope[0], scope[1], scope[2]))
+            inner = self.fitted(unit, row, (scope[0], scope[1], scope[2]), base)
             move = [] if all_nothing(place) else [call("translate", *place)]
             body.append(bracket([*move, *turn, *inner]))
         return tuple(body)
+
+    def row_rule(self, unit: Unit, size: Floats, axes: tuple[int, ...], base: Frames) -> str:
+        """The rule for a unit that stands as often as it fits along some axes of its scope, about
+        as large as `size` (3,).
+        """
+        owner = self.owner(unit)
+        body = self.fitted(unit, owner, EXTENTS, base)
+        inner = body[len(self.pens(unit, owner)) + 1 :]  # the scope is that of a cell
+        symbol = self.name(unit)
+        key = (symbol, axes, inner)
+        if key not in self._fitted:
+            for axis in reversed(axes):
+                floating = ast.Size("floating", literal(float(size[axis])))
+                part = ast.SplitPart(floating, tuple(inner))
+                inner = (ast.Split("xyz"[axis], (ast.SplitGroup((part,), "*"),)),)
+            bare = symbol.rpartition(".")[2]
+            name = self.new_name(f"{bare[0].upper()}{bare[1:]}_row")
+            self._fitted[key] = name
+            self.rules[name] = (symbol, tuple(inner))
+        return self._fitted[key]
+
+    def _square_parts(self, row: int, base: Frames) -> list[Unit]:
+        """The parts of a shape; those of the shapes in it that stand askew, one by one."""
+        found: list[Unit] = []
+        for unit in self.parts(row):
+            askew = unit[0] == "shape" and not self.is_square(unit, base)
+            found += self._square_parts(unit[1], base) if askew else [unit]
+        return found
 
     def parts(self, row: int) -> list[Unit]:
         """What a shape made and drew, in the order of the derivation, if it draws anything."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,13 +19,13 @@ from ipmlang.compiler.diagnostics import fail
 from ipmlang.edit.arithmetic import literal
 from ipmlang.edit.buildings.attachments import Attached, attach, settle, stretching, warped
 from ipmlang.edit.buildings.driving import Aim, Key, driven
-from ipmlang.edit.buildings.forms import EXTENTS, Forms, Unit
+from ipmlang.edit.buildings.forms import Forms, Unit
 from ipmlang.edit.buildings.rewriting import Placed, rewritten
 from ipmlang.edit.buildings.soundness import check_sound
 from ipmlang.edit.buildings.tree import grown
 from ipmlang.edit.buildings.units import Units, divided, selected, tolerance
 from ipmlang.edit.draft import Draft
-from ipmlang.inverse.frames import Floats, Frames, linear
+from ipmlang.inverse.frames import Floats, Frames, from_matrices, linear
 
 LARGE, LITTLE = 1.8, 0.4  # times its size: beyond, a part is split, or joined (section 4.1)
 SAME = 1e-9
@@ -216,7 +216,6 @@ class Rebuilt:
     made: Units
     low: Floats
     high: Floats
-    rows: dict[object, str] = field(default_factory=dict)
 
     def placed(self) -> dict[Unit, list[Placed]]:
         """What stands in place of each unit that is elsewhere, or of another size."""
@@ -238,47 +237,30 @@ class Rebuilt:
     def _unit(self, k: int, unit: Unit, ratio: Floats) -> Placed:
         """A unit after its box went from one to the other."""
         forms, axes = self.forms, self.made.axes
-        own = forms.frame(unit)
-        owner = forms.owner(unit)
-        low, high = forms.box(unit)
-        turned = axes @ (linear(own)[0] / own.scale[0])
+        own, owner = forms.frame(unit), forms.owner(unit)
+        if np.allclose(ratio, 1.0, rtol=0, atol=SAME):
+            shift = (self.low[k] - self.made.low[k]) @ axes
+            frame = Frames(own.position + shift, own.rotation, own.hand, own.scale)
+            return Placed(frame, forms.plain(unit, owner), shift)
+        base = own if forms.is_square(unit, _upright(axes)) else _upright(axes)
+        square = forms.is_square(unit, base)
+        low, high = forms.box(unit) if square else forms.box_in(unit, base)
+        turned = axes @ (linear(base)[0] / base.scale[0])
         axis = np.abs(turned).argmax(axis=0)
-        askew = np.abs(np.abs(turned).max(axis=0) - 1).max() > 1e-9
-        if askew or np.allclose(ratio, 1.0, rtol=0, atol=SAME):
-            shift = 0.5 * (self.low[k] + self.high[k] - self.made.low[k] - self.made.high[k])
-            frame = Frames(own.position + shift @ axes, own.rotation, own.hand, own.scale)
-            return Placed(frame, forms.plain(unit, owner), shift @ axes)
-        corner = axes @ (linear(own)[0] @ low + own.position[0])
+        corner = axes @ (linear(base)[0] @ low + base.position[0])
         moved = self.low[k] + (corner - self.made.low[k]) * ratio
         size = (high - low) * ratio[axis]
-        frame = Frames((moved @ axes)[None], own.rotation, own.hand, own.scale)
+        frame = Frames((moved @ axes)[None], base.rotation, base.hand, base.scale)
         width, depth, height = (literal(float(each)) for each in size)
         numbers = (width, depth, height)
-        many = [1 if forms.fills(unit) else _copies(float(each)) for each in ratio[axis]]
         shift = (moved - corner) @ axes
+        many = [1 if forms.fills(unit) else _copies(float(each)) for each in ratio[axis]]
         if max(many) == 1:
-            return Placed(frame, forms.fitted(unit, owner, numbers), shift)
-        name = self._row(unit, high - low, many)
+            return Placed(frame, forms.fitted(unit, owner, numbers, base), shift)
+        repeated = tuple(axis for axis in range(3) if many[axis] > 1)
+        name = forms.row_rule(unit, high - low, repeated, base)
         elements = (*forms.pens(unit, owner), _call_size(numbers), ast.Module(name))
         return Placed(frame, elements, shift)
-
-    def _row(self, unit: Unit, size: Floats, many: Sequence[int]) -> str:
-        """The rule for a unit that is repeated along some axes as often as fits."""
-        axes = tuple(k for k in range(3) if many[k] > 1)
-        body = self.forms.fitted(unit, self.forms.owner(unit), EXTENTS)
-        pens = self.forms.pens(unit, self.forms.owner(unit))
-        inner = body[len(pens) + 1 :]
-        key = (self.forms.name(unit), axes, inner)
-        if key not in self.rows:
-            for axis in reversed(axes):
-                floating = ast.Size("floating", literal(float(size[axis])))
-                part = ast.SplitPart(floating, tuple(inner))
-                inner = (ast.Split("xyz"[axis], (ast.SplitGroup((part,), "*"),)),)
-            symbol = self.forms.name(unit)
-            name = self.forms.new_name(f"{symbol.rpartition('.')[2].capitalize()}_row")
-            self.forms.rules[name] = (symbol, tuple(inner))
-            self.rows[key] = name
-        return self.rows[key]
 
     def _join(self, ratio: Floats) -> set[int]:
         """The units that go because one beside them takes their room, too."""
@@ -302,6 +284,11 @@ class Rebuilt:
 def _ratios(before: Floats, after: Floats) -> Floats:
     """How many times as large; 1 where there is no extent."""
     return np.asarray(np.where(before > 0, after / np.where(before > 0, before, 1.0), 1.0))
+
+
+def _upright(axes: Floats) -> Frames:
+    """The frame at the origin with these axes, rows of (3, 3)."""
+    return from_matrices(np.concatenate([axes.T, np.zeros((3, 1))], axis=1)[None])
 
 
 def _call_size(size: Sequence[ast.Expr]) -> ast.Module:

@@ -81,8 +81,12 @@ class Rewriting:
         return max(int(self.forms.tree.parent[row]), 0)
 
     def _begin(self, row: int) -> Elements:
-        """What a variant is told before it is called."""
-        return self.forms.pens(("shape", row), self._around(row))
+        """What a variant is told before it is called: the pen, and the scope where it has one."""
+        unit: Unit = ("shape", row)
+        around = self._around(row)
+        if self.forms.fills(unit):
+            return self.forms.plain(unit, around)[:-1]
+        return self.forms.pens(unit, around)
 
     def _stands(self, unit: Unit) -> Floats | None:
         """How far a unit moved that else stayed as it was, None for any other."""
@@ -192,10 +196,13 @@ def _with_rules(writing: Rewriting, axiom: Elements, what: str) -> Draft:
             new.setdefault(symbol, []).append(ast.Rule(ast.Head(name), body))
     grammar = _placed_rules(draft.grammar, new, bodies, _renamed(axiom, renamed))
     grammar = without_names(grammar, needed_names(draft.grammar) - needed_names(grammar))
-    changes = [Change(symbol, "its parts", name) for name, (symbol, _) in writing.made.items()]
+    changes = [
+        Change(symbol, "its parts", symbol if name in renamed else name)
+        for name, (symbol, _) in writing.made.items()
+    ]
     changes = changes or [Change("start", "its parts", what or "others")]
-    notes = replace(draft, grammar=grammar, changes=(*draft.changes, *changes))
-    return notes
+    made = replace(draft, grammar=grammar, changes=(*draft.changes, *changes))
+    return made if forms.baking is None else forms.baking.with_assets(made)
 
 
 def _kept_names(writing: Rewriting, axiom: Elements) -> set[str]:

@@ -6,6 +6,8 @@ identity across an edit, so kinds are judged: what always touched something of a
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 
 from ipmlang.compiler.diagnostics import fail
@@ -13,7 +15,7 @@ from ipmlang.edit.buildings.contacts import neighbours, touching
 from ipmlang.edit.buildings.tree import Tree
 from ipmlang.inverse.frames import Floats
 
-MADE = "_fitted"  # behind the label of a terminal that was stretched
+MADE = re.compile(r"(_baked|_fitted)(_\d+)?")  # in the label of a terminal that was stretched
 
 
 def check_sound(before: Tree, after: Tree, near: float) -> None:
@@ -29,8 +31,8 @@ def check_sound(before: Tree, after: Tree, near: float) -> None:
 
 
 def came_apart(before: Tree, after: Tree, near: float) -> set[str]:
-    """The labels of terminals all of which touched others, of which some touch none of these kinds
-    now.
+    """The labels of terminals all of which touched others, of which some touch neither one of these
+    kinds now, nor their own.
     """
     touched = _touched(before, near)
     now = _touched(after, 4 * near)
@@ -38,14 +40,14 @@ def came_apart(before: Tree, after: Tree, near: float) -> set[str]:
     return {
         label
         for label, kinds in now.items()
-        if label in all_touch and not all(each & all_touch[label] for each in kinds)
+        if label in all_touch and not all(each & (all_touch[label] | {label}) for each in kinds)
     }
 
 
 def _touched(tree: Tree, near: float) -> dict[str, list[set[str]]]:
     """For each label, the labels that each of its terminals touches."""
     low, high = tree.boxes(np.eye(3))
-    labels = [label.removesuffix(MADE) for label in tree.terminals.labels]
+    labels = [MADE.sub("", label).lower() for label in tree.terminals.labels]
     found: list[set[str]] = [set() for _ in labels]
     for i, j in neighbours(low, high, near).tolist():
         found[i].add(labels[j])

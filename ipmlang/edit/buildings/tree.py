@@ -7,21 +7,25 @@ changed or judged here.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.compiler import ast, compile_file, compile_text, ir
-from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail
+from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail, nearest
 from ipmlang.edit.draft import Draft
 from ipmlang.edit.saving import about, staged
-from ipmlang.inverse.frames import Floats, Frames, Integers, from_matrices, inverse, linear
+from ipmlang.inverse.frames import Floats, Frames, Integers, inverse, linear
 from ipmlang.runtime import derive
 from ipmlang.runtime.lineage import Lineage
 from ipmlang.runtime.scene import OUTLINE, SEGMENT, Scene
+
+if TYPE_CHECKING:
+    from ipmlang.formats.mesh_types import Mesh
 
 CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], np.float64)
 
@@ -39,7 +43,8 @@ class Terminals:
 @dataclass(frozen=True, eq=False)
 class Tree:
     """n shapes and m terminals. names: of the shapes, as the main file writes them; frames, size
-    (n, 3): their scopes; parent (n,), owner (m,): the shape that made each, -1 of the start.
+    (n, 3): their scopes; parent (n,), owner (m,): the shape that made each, -1 of the start;
+    meshes: of the assets that are drawn, by their numbers.
     """
 
     draft: Draft
@@ -50,6 +55,12 @@ class Tree:
     frames: Frames
     size: Floats
     terminals: Terminals
+    meshes: Mapping[int, Mesh]
+
+    def is_natural(self, row: int) -> bool:
+        """Whether a terminal is an asset as large as it is in its file."""
+        number = int(self.scene.instances.asset[row])
+        return number >= 0 and self.scene.assets[number].name == self.terminals.labels[row]
 
     @property
     def parent(self) -> Integers:
@@ -133,10 +144,14 @@ class Tree:
 
     def own_box(self, shape: int) -> tuple[Floats, Floats]:
         """(3,) the corners of what a shape draws, in its own coordinates."""
-        rows = np.array(self.below(shape), np.int64)
+        return self.box_of(self.below(shape), self.frames[shape : shape + 1])
+
+    def box_of(self, rows: Sequence[int], base: Frames) -> tuple[Floats, Floats]:
+        """(3,) the corners of terminals in the coordinates of a frame."""
+        chosen = np.array(rows, np.int64)
         one = self.terminals
-        points = _cornered(one.frames[rows], one.low[rows], one.high[rows]).reshape(-1, 3)
-        back = inverse(self.frames[shape : shape + 1])
+        points = _cornered(one.frames[chosen], one.low[chosen], one.high[chosen]).reshape(-1, 3)
+        back = inverse(base)
         local = points @ linear(back)[0].T + back.position[0]
         return local.min(axis=0), local.max(axis=0)
 
@@ -183,7 +198,17 @@ def tree_of(
     )
     size = np.stack([state.get(name, np.zeros(count)) for name in ("sx", "sy", "sz")], axis=1)
     names = _names(draft.grammar, program, lineage)
-    return Tree(draft, program, scene, lineage, names, frames, size, _terminals(program, scene))
+    meshes = _meshes(scene)
+    terminals = _terminals(scene, meshes)
+    return Tree(draft, program, scene, lineage, names, frames, size, terminals, meshes)
+
+
+def _meshes(scene: Scene) -> dict[int, Mesh]:
+    from ipmlang.runtime.export.model_assets import model_assets
+
+    numbers = np.unique(scene.instances.asset[scene.instances.asset >= 0]).tolist()
+    read, _ = model_assets(scene.assets[number] for number in numbers)
+    return {number: read[scene.assets[number]] for number in numbers}
 
 
 def _names(grammar: ast.Grammar, program: ir.Program, lineage: Lineage) -> tuple[str, ...]:
@@ -205,7 +230,7 @@ def _names(grammar: ast.Grammar, program: ir.Program, lineage: Lineage) -> tuple
     return tuple(found[number] for number in lineage.symbol.tolist())
 
 
-def _terminals(program: ir.Program, scene: Scene) -> Terminals:
+def _terminals(scene: Scene, meshes: Mapping[int, Mesh]) -> Terminals:
     table = scene.instances
     frames = Frames(
         np.array(table.position),
@@ -214,9 +239,9 @@ def _terminals(program: ir.Program, scene: Scene) -> Terminals:
         np.abs(table.scale),
     )
     low, high = np.zeros((len(table), 3)), np.array(table.size, np.float64)
-    for number in np.unique(table.asset[table.asset >= 0]).tolist():
+    for number, mesh in meshes.items():
         rows = (table.asset == number) & ~_fitted(scene, number)
-        low[rows], high[rows] = _bounds(program, number)
+        low[rows], high[rows] = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     for shape in np.unique(table.shape[table.asset == OUTLINE]).tolist():
         rows = (table.asset == OUTLINE) & (table.shape == shape)
         points = scene.polygons[shape]
@@ -236,27 +261,8 @@ def _fitted(scene: Scene, asset: int) -> NDArray[np.bool_]:
     return np.asarray(~np.isin(table.label, own))
 
 
-def _bounds(program: ir.Program, asset: int) -> tuple[Floats, Floats]:
-    from ipmlang.runtime.scopes.solids import AssetSolids
-
-    points = AssetSolids(program)(asset).vertices
-    return points.min(axis=0), points.max(axis=0)
-
-
-def relative(tree: Tree, shape: int, frames: Frames) -> Frames:
-    """Frames in the coordinates of a shape."""
-    from ipmlang.inverse.frames import compose
-
-    return compose(inverse(tree.frames[shape : shape + 1]), frames)
-
-
 def unknown(message: str, name: str, known: set[str]) -> IpmError:
     """A name that nothing bears."""
-    from ipmlang.compiler.diagnostics import nearest
-
     return IpmError(
         [Diagnostic("nothing-selected", message, suggestions=nearest(name, sorted(known)))]
     )
-
-
-__all__ = ["Terminals", "Tree", "from_matrices", "grown", "relative", "tree_of", "unknown"]
