@@ -89,6 +89,33 @@ def test_areas_are_those_asked_for() -> None:
     assert sum(map(area, solids(scene, "B"))) == pytest.approx(20)
 
 
+def test_strips_of_a_setback_turn_with_their_edges() -> None:
+    """x along the edge, y inward: whatever the edge, a strip is as long and as wide as it is."""
+    scene = run(
+        "A --> setback(1) { border: Lawn | shape: Mass }\n"
+        "start A on polygon [(0, 0), (8, 6), (2, 14), (-6, 8)]\n"
+    )
+    table = scene.instances
+    lawns = table.label == scene.labels.index("Lawn")
+    assert table.size[lawns] == pytest.approx(np.tile((10.0, 1.0, 0.0), (4, 1)))
+    along = 2 * np.degrees(np.arctan2(table.rotation[lawns, 3], table.rotation[lawns, 0]))
+    assert np.diff(along, append=along[:1]) % 360 == pytest.approx([90, 90, 90, 90])
+    corners = [(0, 0), (8, 6), (2, 14), (-6, 8)]
+    assert table.position[lawns, :2] == pytest.approx(np.array(corners, float))
+    assert table.rotation[~lawns] == pytest.approx(table.rotation[lawns][:1])  # of the shape
+
+
+def test_points_that_draw_nothing_are_told() -> None:
+    ground = "start A on box(9, 9, 0)\n"
+    (note,) = run(f"A --> [Lawn] scatter(20) Tree\n{ground}").notes
+    assert "Tree draws nothing" in note and "20 shapes" in note
+    assert not run(f"A --> [Lawn] scatter(9) size(1, 1, 1) cube Tree\n{ground}").notes
+    asked = (
+        f'A --> [Lawn] [scatter(9) label("spot") Spot] B\nB : distance("spot") < 9 --> C\n{ground}'
+    )
+    assert not run(asked).notes  # it stands for a place
+
+
 def test_roofs_are_selected_by_their_parts() -> None:
     scene = run(
         f"A --> roofGable(30) comp {{ slope: B | gable: C | bottom: nil }}\nstart A {ELL}\n"
