@@ -22,7 +22,7 @@ from ipmlang.runtime.frontier import Frontier
 from ipmlang.runtime.lineage import Lineage, Recorder
 from ipmlang.runtime.primitives import UnscannableError
 from ipmlang.runtime.scene import Scene
-from ipmlang.runtime.scopes.scoping import unfit_notes
+from ipmlang.runtime.scopes.reports import unfit_notes
 from ipmlang.runtime.strings import steps_of
 from ipmlang.runtime.values import Bound
 
