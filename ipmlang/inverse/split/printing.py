@@ -16,6 +16,7 @@ from ipmlang.inverse.frames import Frames
 from ipmlang.inverse.naming import Names
 from ipmlang.inverse.split.expansion import placements
 from ipmlang.inverse.split.items import Wording, item_elements
+from ipmlang.inverse.split.lifting import lifted
 from ipmlang.inverse.split.measuring import needing_size, reaches
 from ipmlang.inverse.split.naming import symbol_names
 from ipmlang.inverse.split.placing import Precision, spots, steps_to
@@ -41,11 +42,19 @@ def print_scheme(
     names = symbol_names(scheme, axiom, given)
     wording = make_wording(scheme, names, precision, given)
     wording.one_by_one = one_by_one
+    attributes = () if one_by_one else _lift(wording)
     rules = [_rule(wording, number) for number in top_down(scheme)]
-    items: list[ast.Item] = [*wording.tables]
+    items: list[ast.Item] = [*attributes, *wording.tables]
     items += [_spaced(rule, first=k == 0) for k, rule in enumerate(rules)]
     items.append(_start(wording))
     return Printed(tuple(items), names)
+
+
+def _lift(wording: Wording) -> tuple[ast.Attr, ...]:
+    """Counts as attributes, and the scopes that follow them."""
+    found = lifted(wording)
+    wording.sized |= found.sizes
+    return found.attributes
 
 
 def make_wording(
@@ -107,7 +116,8 @@ def _spaced(rule: ast.Rule, first: bool) -> ast.Rule:
 
 def _start(wording: Wording) -> ast.Start:
     """`start Castle on box(4, 5, 6)`."""
-    size = np.maximum(wording.scheme.symbols[wording.scheme.axiom].size, 0.0)
-    place = ast.Place("box", wording.precision.vector(size))
-    name = wording.names[wording.scheme.axiom]
+    axiom = wording.scheme.axiom
+    size = np.maximum(wording.scheme.symbols[axiom].size, 0.0)
+    place = ast.Place("box", wording.sized.get(axiom) or wording.precision.vector(size))
+    name = wording.names[axiom]
     return ast.Start((ast.Module(name),), place, blank_before=True)
