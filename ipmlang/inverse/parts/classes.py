@@ -11,14 +11,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ipmlang.formats.distinct import distinct_rows
 from ipmlang.inverse.frames import Floats, Integers
-from ipmlang.inverse.parts.aligning import SelfMaps, aligned, self_maps, turns
+from ipmlang.inverse.parts.aligning import aligned, turns
 from ipmlang.inverse.parts.copies import Model, stacked
 from ipmlang.inverse.parts.invariants import alike, centers
 from ipmlang.inverse.parts.pieces import Pieces
 from ipmlang.inverse.parts.plainest import plainest, snapped
+from ipmlang.inverse.parts.symmetry import SelfMaps, self_maps
 
 MOST_SYMMETRY = 192
+_SMALL = 32  # vertices of parts that are looked at many at a time
+_TOGETHER = 500
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,9 +54,11 @@ def classified(pieces: Pieces, tolerance: float) -> Classes:
     vertices of equal parts may be, a length.
     """
     center = centers(pieces)
-    found: list[ShapeClass] = []
-    for group in alike(pieces, center, tolerance):
-        rest = group
+    groups = alike(pieces, center, tolerance)
+    lone = np.array([group[0] for group in groups if len(group) == 1], np.int64)
+    found = _lone_classes(pieces, center, lone, tolerance)
+    for group in groups:
+        rest = group if len(group) > 1 else group[:0]
         while len(rest):
             one, rest = _first_class(pieces, center, rest, tolerance)
             found.append(one)
@@ -63,16 +69,39 @@ def classified(pieces: Pieces, tolerance: float) -> Classes:
     return Classes(shape, center, tuple(found))
 
 
+def _lone_classes(
+    pieces: Pieces, center: Floats, rows: Integers, tolerance: float
+) -> list[ShapeClass]:
+    """Classes of parts that nothing is like, small ones of equal counts together."""
+    if not len(rows):
+        return []
+    starts = (pieces.vertex_start, pieces.corner_start, pieces.face_start)
+    counts = np.stack([start[rows + 1] - start[rows] for start in starts], axis=1)
+    apart = np.where(counts[:, :1] > _SMALL, rows[:, None], -1)
+    _, kind = distinct_rows(np.concatenate([counts, apart], axis=1).astype(np.float64))
+    order = np.argsort(kind, kind="stable")
+    found = []
+    for group in np.split(rows[order], np.flatnonzero(np.diff(kind[order])) + 1):
+        for begin in range(0, len(group), _TOGETHER):
+            some = group[begin : begin + _TOGETHER]
+            models = Model(stacked(pieces, center, some), tolerance)
+            own = self_maps(models, MOST_SYMMETRY)
+            found += [_lone_class(row, maps) for row, maps in zip(some, own, strict=True)]
+    return found
+
+
+def _lone_class(row: int, own: SelfMaps) -> ShapeClass:
+    alone = np.array([row], np.int64)
+    return ShapeClass(alone, int(row), np.eye(3)[None], own.linear, own.whole, np.zeros(1))
+
+
 def _first_class(
     pieces: Pieces, center: Floats, rows: Integers, tolerance: float
 ) -> tuple[ShapeClass, Integers]:
     """The class of the first of the rows, and the rows that are not of it."""
     copies = stacked(pieces, center, rows)
     model = Model(copies[:1], tolerance)
-    own = self_maps(model, MOST_SYMMETRY)
-    if len(rows) == 1:
-        whole = ShapeClass(rows, int(rows[0]), np.eye(3)[None], own.linear, own.whole, np.zeros(1))
-        return whole, rows[:0]
+    own = self_maps(model, MOST_SYMMETRY)[0]
     alignment = aligned(model, copies)
     members = np.flatnonzero(alignment.found)
     points = np.take_along_axis(copies.points[members], alignment.places[members][..., None], 1)

@@ -66,42 +66,37 @@ def stacked(pieces: Pieces, center: Floats, rows: Integers) -> Copies:
         block(starts) for starts in (pieces.corner_start, pieces.face_start, pieces.vertex_start)
     )
     first = corner[:, :1]
-    size = np.diff(pieces.offsets)[face].astype(np.uint64)
-    look = mixed(mixed(size) ^ pieces.material[face].astype(np.uint64))
-    sizes = np.diff(pieces.offsets)[face].reshape(-1)
+    size = pieces.offsets[face + 1] - pieces.offsets[face]
+    look = mixed(mixed(size.astype(np.uint64)) ^ pieces.material[face].astype(np.uint64))
     return Copies(
         pieces.vertices[vertex] - center[rows][:, None],
         pieces.corners[corner] - vertex[:, :1],
         pieces.after[corner] - first,
         pieces.before[corner] - first,
         pieces.offsets[face] - first,
-        np.repeat(look.reshape(-1), sizes).reshape(corner.shape),
+        np.repeat(look.reshape(-1), size.reshape(-1)).reshape(corner.shape),
         None if pieces.laid is None else pieces.laid[corner],
     )
 
 
 class Model:
-    """The part that others are compared with: a stack of one row, how far apart points may be, and
-    what is asked of it again and again, made when it is first asked for.
+    """The part that others are compared with, or one for each of them: a stack of one row or of as
+    many, how far apart points may be, and what is asked again and again, made when first asked for.
     """
 
     def __init__(self, copies: Copies, tolerance: float) -> None:
         self.copies = copies
         self.tolerance = tolerance
 
-    @cached_property
-    def keys(self) -> NDArray[np.uint64]:
-        """The hashes (c,) of its corners, in order."""
-        return self._sorted[0][0]
+    def at(self, rows: Integers) -> Model:
+        """The models of these rows; the one there is stands for all."""
+        return self if len(self.copies) == 1 else Model(self.copies[rows], self.tolerance)
 
     @cached_property
-    def order(self) -> Integers:
-        """Which corner (c,) is where in that order."""
-        return self._sorted[1][0]
-
-    @cached_property
-    def _sorted(self) -> tuple[NDArray[np.uint64], Integers]:
-        return _corner_keys(self.copies, self.copies.corners, np.ones(1, np.bool_))
+    def sorted_corners(self) -> tuple[NDArray[np.uint64], Integers]:
+        """The hashes (m, c) of the corners, in order, and which corner is where in that order."""
+        forward = np.ones(len(self.copies), np.bool_)
+        return _corner_keys(self.copies, self.copies.corners, forward)
 
     @cached_property
     def _tree(self) -> cKDTree:
@@ -109,12 +104,20 @@ class Model:
 
         return cKDTree(self.copies.points[0])
 
-    def nearest(self, points: Floats, reach: float) -> tuple[Truths, Integers]:
-        """Rows (k,) of points (k, v, 3) that all have a vertex within reach, and which (k, v)."""
+    def nearest(self, points: Floats, reach: Floats) -> tuple[Truths, Integers]:
+        """Rows (k,) of points (k, v, 3) that all have a vertex within reach (k,), and which (k, v)."""
         if not points.size:
             return np.zeros(len(points), np.bool_), np.zeros(points.shape[:2], np.int64)
-        apart, index = self._tree.query(points, distance_upper_bound=reach * (1 + 1e-9) + 1e-300)
-        close: Truths = np.isfinite(apart).all(axis=1)
+        if len(self.copies) == 1:
+            apart, index = self._tree.query(
+                points, distance_upper_bound=reach.max() * (1 + 1e-9) + 1e-300
+            )
+        else:  # many small ones
+            off = points[:, :, None] - self.copies.points[:, None]
+            square = np.einsum("kpvi,kpvi->kpv", off, off)
+            index = np.argmin(square, axis=2)
+            apart = np.sqrt(np.take_along_axis(square, index[..., None], 2)[..., 0])
+        close: Truths = (apart <= reach[:, None]).all(axis=1)
         return close, np.asarray(index, np.int64)
 
 
@@ -134,10 +137,10 @@ def in_same_order(model: Model, copies: Copies, linear: Floats) -> Truths:
 
 
 def matched(
-    model: Model, copies: Copies, linear: Floats, slack: float
+    model: Model, copies: Copies, linear: Floats, slack: Floats
 ) -> tuple[Truths, Integers]:
     """Which rows are the model under maps (k, 3, 3), and for these rows (r, v) the vertex that
-    stands where the model's vertex is. slack: how far off the maps may be themselves.
+    stands where the model's vertex is. slack (k,): how far off the maps may be themselves.
     """
     points = copies.points @ linear  # the inverse of a turn from the right
     near, vertex = _nearest(model, points, model.tolerance + slack)
@@ -148,15 +151,18 @@ def matched(
     chosen = copies[rows]
     corner = np.take_along_axis(vertex[rows], chosen.corners, axis=1)
     keys, order = _corner_keys(chosen, corner, ~mirrored)
-    same = (keys == model.keys).all(axis=1)
-    mine = np.tile(model.order, (len(rows), 1))
-    same[same] = _dressed_alike(model, chosen[same], mine[same], order[same])
+    own = model.at(rows)
+    own_keys, mine = own.sorted_corners
+    same = (keys == own_keys).all(axis=1)
+    mine = np.broadcast_to(mine, order.shape)
+    kept = np.flatnonzero(same)
+    same[kept] = _dressed_alike(own.at(kept), chosen[kept], mine[kept], order[kept])
     found = np.zeros(len(copies), np.bool_)
     found[rows[same]] = True
     return found, places[same]
 
 
-def _nearest(model: Model, points: Floats, reach: float) -> tuple[Truths, Integers]:
+def _nearest(model: Model, points: Floats, reach: Floats) -> tuple[Truths, Integers]:
     """Rows whose points are the model's one by one, and the model's vertex for each point."""
     count, size = points.shape[:2]
     probe = np.linspace(0, size - 1, min(size, 24)).astype(np.int64)
@@ -165,7 +171,7 @@ def _nearest(model: Model, points: Floats, reach: float) -> tuple[Truths, Intege
     if size > 2 * len(probe):
         near, _ = model.nearest(points[:, probe], reach)
     rows = np.flatnonzero(near)
-    close, found = model.nearest(points[rows], reach)
+    close, found = model.at(rows).nearest(points[rows], reach[rows])
     whole = (np.sort(found, axis=1) == np.arange(size)).all(axis=1)
     near[rows] = close & whole
     vertex[rows] = found
@@ -199,5 +205,6 @@ def _dressed_alike(model: Model, copies: Copies, mine: Integers, theirs: Integer
     own = model.copies.uv
     if copies.uv is None or own is None:
         return np.ones(len(copies), np.bool_)
-    off = np.take_along_axis(copies.uv, theirs[..., None], 1) - own[0][mine]
+    row = np.arange(len(own))[:, None]  # one model, or one for each
+    off = np.take_along_axis(copies.uv, theirs[..., None], 1) - own[row, mine]
     return np.asarray(np.abs(off).max(axis=(1, 2)) <= UV_TOLERANCE)

@@ -30,11 +30,12 @@ def class_names(
     """A name for each class."""
     hints = [_hint(rows, paths) for rows in members]
     common = Counter(hints)
+    several = len({mesh.materials for mesh in meshes}) > 1
     wanted = []
     for hint, mesh in zip(hints, meshes, strict=True):
         # A name that most classes would bear, or the file's own, tells nothing.
         tells = hint and hint != word(stem) and common[hint] <= max(3, len(hints) // 4)
-        wanted.append(hint if tells else _by_material(mesh, meshes) or shape_word(mesh))
+        wanted.append(hint if tells else (several and _by_material(mesh)) or shape_word(mesh))
     return _numbered(wanted)
 
 
@@ -55,11 +56,9 @@ def _hint(rows: Integers, paths: Sequence[tuple[str, ...]]) -> str:
     return found.most_common(1)[0][0]
 
 
-def _by_material(mesh: Mesh, meshes: Sequence[Mesh]) -> str:
-    """The material's name where the part has one alone and others have others."""
-    if len(mesh.materials) != 1 or all(each.materials == mesh.materials for each in meshes):
-        return ""
-    return word(mesh.materials[0].name)
+def _by_material(mesh: Mesh) -> str:
+    """The material's name where the part has one alone."""
+    return word(mesh.materials[0].name) if len(mesh.materials) == 1 else ""
 
 
 def shape_word(mesh: Mesh) -> str:
@@ -86,12 +85,13 @@ def _fills_box(mesh: Mesh, size: Floats) -> bool:
 def _numbered(wanted: Sequence[str]) -> list[str]:
     """Names used once: the second `Box` is `Box2`."""
     taken: set[str] = set()
+    numbers: Counter[str] = Counter()
     names = []
     for name in wanted:
-        number, free = 1, name
+        free = name
         while free in taken:
-            number += 1
-            free = f"{name}{number}"
+            numbers[name] += 1
+            free = f"{name}{numbers[name] + 1}"
         taken.add(free)
         names.append(free)
     return names

@@ -30,7 +30,7 @@ from ipmlang.inverse.parts.invariants import alike, centers
 from ipmlang.inverse.parts.pieces import sorted_pieces
 from ipmlang.inverse.parts.soup import corners_of
 
-_LEAST, _MOST = 8, 100_000  # faces of parts that are cut
+_LEAST, _MOST = 8, 60_000  # faces of parts that are tried, of one and of all in a round
 _ROUNDS = 3
 
 
@@ -66,7 +66,7 @@ def segmented(
         groups = alike(pieces, centers(pieces), tolerance)
         faces = np.diff(pieces.face_start)
         fit = fresh & (faces >= _LEAST) & (faces <= _MOST)
-        worth = [rows for rows in groups if fit[rows[0]]]
+        worth = _largest([rows for rows in groups if fit[rows[0]]], faces)
         first = np.array([rows[0] for rows in worth], np.int64)
         choice = _choices(mesh, same, part, first, diagonal, tolerance)
         finer = part.copy()
@@ -85,6 +85,14 @@ def segmented(
     if not count:
         return given, ()
     return part, (Note("segmented", "parts were cut where their pieces repeat", count),)
+
+
+def _largest(groups: list[Integers], faces: Integers) -> list[Integers]:
+    """Those with the largest parts whose faces, one part of each taken, are few enough to try."""
+    size = np.array([faces[rows[0]] for rows in groups], np.int64)
+    order = np.argsort(-size, kind="stable")
+    within = np.cumsum(size[order]) <= _MOST
+    return [groups[each] for each in sorted(order[within].tolist())]
 
 
 def _cut(

@@ -117,6 +117,8 @@ def _paths(
 def _turned_normals(normals: Floats | None, linear: Floats) -> Floats | None:
     if normals is None:
         return None
+    if (np.abs(linear - np.eye(3)) < 1e-12).all():
+        return np.tile(normals, (len(linear), 1))
     turned = (normals @ np.linalg.pinv(linear)).reshape(-1, 3)
     length = np.linalg.norm(turned, axis=1, keepdims=True)
     return np.asarray(turned / np.maximum(length, 1e-300))
