@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from dataclasses import replace
 from itertools import pairwise
 
@@ -15,7 +16,7 @@ from hypothesis import strategies as st
 from ipmlang.geometry.areas import area_cuts
 from ipmlang.geometry.arms import shape_l, shape_o, shape_u
 from ipmlang.geometry.pieces import Piece
-from ipmlang.geometry.rectangles import inner_rect
+from ipmlang.geometry.rectangles import inner_rect, largest_rectangle
 from ipmlang.geometry.setbacks import classified_edges, offset, setback
 from ipmlang.geometry.slabs import slab
 from ipmlang.geometry.solid import GeometryError, Solid, area, polygon, unit_box, unit_square
@@ -201,6 +202,24 @@ def test_inner_rectangle_is_exact_along_the_axes() -> None:
     assert [area(piece.solid) for piece in inner_rect(unit_square())] == [1]
 
 
+def test_inner_rectangle_of_convex_polygons_is_the_largest() -> None:
+    """By hand in triangles and a rhombus; else none on fine lines is larger, in any turn."""
+    for turn in ([(0, 0), (6, 0), (0, 4)], [(0, 0), (6, 0), (6, 4)], [(3, 0), (6, 2), (0, 2)]):
+        low, right, up, high = largest_rectangle([np.array(turn, np.float64)])
+        whole = area(polygon(turn))
+        assert (up - low) * (high - right) == pytest.approx(whole / 2, rel=1e-9)
+    rhombus = np.array([(0, -2), (5, 0), (0, 2), (-5, 0)], np.float64)
+    assert largest_rectangle([rhombus]) == pytest.approx((-2.5, -1, 2.5, 1), rel=1e-5)
+    chance = np.random.default_rng(6)
+    for _ in range(20):
+        points = chance.uniform(-5, 5, (int(chance.integers(4, 12)), 2)) * (1, chance.uniform(0, 1))
+        hull = shapely.geometry.polygon.orient(shapely.MultiPoint(points).convex_hull)
+        low, right, up, high = largest_rectangle([np.array(hull.exterior.coords)[:-1]])
+        assert hull.buffer(1e-9).covers(shapely.box(low, right, up, high))
+        best = (up - low) * (high - right)
+        assert best >= _largest_on_a_grid(hull) * (1 - 1e-9)
+
+
 @pytest.mark.parametrize("number", range(0, len(SAMPLES), 2))
 def test_arms_part_the_polygon(number: int) -> None:
     """L, U and O with their rest are the whole."""
@@ -241,6 +260,22 @@ def test_areas_that_do_not_fit() -> None:
     parts = [slab(YARD, 0, a, b) if a < b else None for a, b in pairwise(cuts.tolist())]
     assert [0 if each is None else area(each) for each in parts] == [20, 0, 0, 50, 10, 0]
     assert area_cuts(YARD, "y", [40, 40]).tolist() == [0, 4, 8]
+
+
+def test_many_corners_need_little_memory() -> None:
+    """Areas are found by looking at some lines of ten thousand, not at all of them."""
+    angles = np.arange(10_000) * 2 * np.pi / 10_000
+    radii = 100 + 3 * np.sin(50 * angles)
+    whole = polygon(np.stack([radii * np.cos(angles), radii * np.sin(angles)], axis=1))
+    tracemalloc.start()
+    lines = area_cuts(whole, "x", [area(whole) / 2] * 2)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert lines == pytest.approx([-100 - 3 * np.sin(0), 0, 100], abs=4)
+    assert area(slab(whole, 0, float(lines[0]), float(lines[1])) or whole) == pytest.approx(
+        area(whole) / 2, rel=1e-9
+    )
+    assert peak < 30e6
 
 
 # --- texture coordinates and tags ---------------------------------------------------------------
