@@ -72,6 +72,15 @@ def test_a_house_has_what_its_attributes_say() -> None:
     assert three["Stack"] == one["Stack"]
 
 
+def test_trees_of_a_house_in_winter_are_bare() -> None:
+    grammar = ipmlang.load(ROOT / "examples" / "house.ipm", style="Winter")
+    assert not grammar.warnings
+    winter, summer = names(grammar.run(seed=2)), names(derived("house", 2))
+    assert summer["F"] == 0 < winter["F"]
+    assert winter["Leaves"] < summer["Leaves"]
+    assert winter["Tiles"] == summer["Tiles"]
+
+
 def test_a_tower_has_the_storeys_asked_for() -> None:
     heights = [float(load("tower").run(attrs={"floors": n}).instances.position[:, 2].max())
                for n in (20, 60)]  # fmt: skip
