@@ -39,7 +39,7 @@ def count_explained(scheme: Scheme, parts: Parts) -> Counts:
     explained = np.minimum(shares, members)
     return Counts(
         len(rules),
-        sum(drawn[k] >= 2 for k in rules),
+        sum(bool(drawn[k] >= 2) for k in rules),
         float(explained.sum() / max(1, members.sum())),
         int(members[twins].sum()),
         float(explained[twins].sum() / max(1, members[twins].sum())),
