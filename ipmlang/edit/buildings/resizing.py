@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipmlang.compiler import ast
-from ipmlang.compiler.diagnostics import fail
+from ipmlang.compiler.diagnostics import IpmError, fail
 from ipmlang.edit.arithmetic import literal
 from ipmlang.edit.buildings.attachments import Attached, attach, settle, stretching, warped
 from ipmlang.edit.buildings.driving import Aim, Key, driven
@@ -128,10 +128,22 @@ def _key(forms: Forms, unit: Unit) -> Key:
 
 
 def _stretched(forms: Forms, picked: Sequence[Unit], factor: Floats, along: Sequence[int]) -> Draft:
+    """The draft with places and sizes from the attachments of units; of all terminals, where units
+    do not hold together.
+    """
+    try:
+        return _attempted(forms, picked, factor, along, fine=False)
+    except IpmError:
+        return _attempted(Forms(forms.tree), picked, factor, along, fine=True)
+
+
+def _attempted(
+    forms: Forms, picked: Sequence[Unit], factor: Floats, along: Sequence[int], *, fine: bool
+) -> Draft:
     tree = forms.tree
     near = tolerance(tree)
     axes = _axes(forms, picked[0])
-    made = divided(forms, picked, axes, along, near)
+    made = divided(forms, picked, axes, along, near, fine=fine)
     system = _system(forms, made, picked, near)
     low, high = system.low.copy(), system.high.copy()
     for axis in along:

@@ -11,16 +11,17 @@ import re
 import numpy as np
 
 from ipmlang.compiler.diagnostics import fail
-from ipmlang.edit.buildings.contacts import neighbours, touching
+from ipmlang.edit.buildings.contacts import gaps, neighbours, touching
 from ipmlang.edit.buildings.tree import Tree
 from ipmlang.inverse.frames import Floats
 
 MADE = re.compile(r"(_baked|_fitted)(_\d+)?")  # in the label of a terminal that was stretched
+NEAR = 1e-6  # of the diagonal
 
 
 def check_sound(before: Tree, after: Tree, near: float) -> None:
     """Raises IpmError if anything has no size, or hangs in the air that did not."""
-    loose = came_apart(before, after, near)
+    loose = came_apart(before, after, near) | parted(before, after, near)
     if loose:
         named = ", ".join(f"`{name}`" for name in sorted(loose)[:6])
         raise fail(
@@ -44,10 +45,28 @@ def came_apart(before: Tree, after: Tree, near: float) -> set[str]:
     }
 
 
+def parted(before: Tree, after: Tree, near: float) -> set[str]:
+    """The labels of terminals that touched and do not, where both have the same terminals in the
+    same order.
+    """
+    if _kinds(before) != _kinds(after):
+        return set()
+    low, high = before.boxes(np.eye(3))
+    pairs = neighbours(low, high, near)
+    low, high = after.boxes(np.eye(3))
+    far = max(near, NEAR * float(np.linalg.norm(high.max(axis=0) - low.min(axis=0))))
+    broken = pairs[gaps(low, high, pairs) > 2 * far]
+    return {before.terminals.labels[row] for row in np.unique(broken).tolist()}
+
+
+def _kinds(tree: Tree) -> list[str]:
+    return [MADE.sub("", label).lower() for label in tree.terminals.labels]
+
+
 def _touched(tree: Tree, near: float) -> dict[str, list[set[str]]]:
     """For each label, the labels that each of its terminals touches."""
     low, high = tree.boxes(np.eye(3))
-    labels = [MADE.sub("", label).lower() for label in tree.terminals.labels]
+    labels = _kinds(tree)
     found: list[set[str]] = [set() for _ in labels]
     for i, j in neighbours(low, high, near).tolist():
         found[i].add(labels[j])

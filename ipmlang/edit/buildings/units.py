@@ -72,20 +72,30 @@ class Units:
 
 
 def divided(
-    forms: Forms, picked: Sequence[Unit], axes: Floats, along: Sequence[int], near: float
+    forms: Forms,
+    picked: Sequence[Unit],
+    axes: Floats,
+    along: Sequence[int],
+    near: float,
+    *,
+    fine: bool = False,
 ) -> Units:
-    """The units of a tree for an edit of `picked` that changes sizes along some of the axes."""
+    """The units of a tree for an edit of `picked` that changes sizes along some of the axes; if
+    `fine`, they are terminals, and shapes that draw but one.
+    """
     tree = forms.tree
     low, high = tree.boxes(axes)
     lows, highs = tree.unions(low, high)
     whole = (high.max(axis=0) - low.min(axis=0))[list(along)]
     often = Counter(tree.names)
     around = {row for unit in picked for row in tree.above(_shape(forms, unit))}
-    around -= {unit[1] for unit in picked if unit[0] == "shape" and forms.fills(unit)}
+    around -= {unit[1] for unit in picked if _takes_sizes(forms, unit, along)}
 
     def is_one(row: int) -> bool:
         if row in around or tree.parent[row] < 0:
             return False
+        if fine:
+            return forms.fills(("shape", row)) and len(tree.below(row)) == 1
         small = bool(((highs[row] - lows[row])[list(along)] <= SMALL * whole).all())
         return forms.fills(("shape", row)) or (often[tree.names[row]] > 1 and small)
 
@@ -97,6 +107,14 @@ def divided(
         if not more:
             return made
         opened |= more
+
+
+def _takes_sizes(forms: Forms, unit: Unit, along: Sequence[int]) -> bool:
+    """Whether a shape is resized by giving it another scope."""
+    if unit[0] == "terminal" or not forms.fills(unit):
+        return False
+    low, high = forms.box(unit)
+    return bool(((high - low)[list(along)] > 0).all())
 
 
 def _shape(forms: Forms, unit: Unit) -> int:

@@ -1,0 +1,146 @@
+"""Buildings resized along each axis, whole and in part: nothing that touched comes apart, nothing
+turns inside out, what stood in something else stays in it, and back again all is as it was.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ipmlang import edit
+from ipmlang.edit.buildings.contacts import gaps, neighbours
+from ipmlang.edit.buildings.resizing import Wanted, resize
+from ipmlang.edit.buildings.soundness import came_apart
+from ipmlang.edit.buildings.tree import Tree, grown
+from ipmlang.edit.buildings.units import selected, tolerance
+from ipmlang.edit.draft import Draft
+
+FILES = Path(__file__).parent / "buildings"
+WHOLE = {"wall": "Castle", "floors": "Lot", "round": "Keep", "bricks": "Pile", "court": "Court"}
+PART = {
+    "wall": ("Window", 3), "floors": ("Bay", 2), "round": ("Drum", 1), "bricks": ("Course", 2),
+    "court": ("Bay", 2),
+}  # fmt: skip
+FACTORS = (0.3, 0.7, 1.5, 4.0)
+AXES = ("x", "y", "z")
+
+
+def draft_of(name: str, folder: Path) -> Draft:
+    target = folder / "files"
+    if not target.exists():
+        shutil.copytree(FILES, target)
+    return edit.read(target / f"{name}.ipm")
+
+
+def resized(draft: Draft, select: str, axis: str, factor: float, number: int | None) -> Draft:
+    """The draft after a resize of places and sizes: attributes are tested elsewhere."""
+    sizes = {axis: factor}
+    wanted = Wanted(sizes.get("x"), sizes.get("y"), sizes.get("z"), factors=True)
+    return resize(draft, select, wanted, number=number, parameters=False)
+
+
+def check_holds(before: Tree, after: Tree) -> None:
+    """What touched touches, sizes are positive, what stood within something stays there."""
+    near = tolerance(before)
+    old, new = before.boxes(np.eye(3)), after.boxes(np.eye(3))
+    flat = (before.terminals.high - before.terminals.low).min() <= 0
+    extent = after.terminals.high - after.terminals.low
+    assert (extent >= 0).all() and (flat or (extent > 0).all())
+    assert not came_apart(before, after, near)
+    if len(old[0]) != len(new[0]):
+        return
+    pairs = neighbours(*old, near)
+    allowed = 1e-6 * np.linalg.norm(new[1].max(axis=0) - new[0].min(axis=0)) + 2 * near
+    assert gaps(*new, pairs).max(initial=0.0) <= allowed
+    for i, j in (pairs.T, pairs[:, ::-1].T):
+        inside = ((old[0][j] <= old[0][i] + near) & (old[1][i] <= old[1][j] + near)).all(axis=1)
+        i, j = i[inside], j[inside]
+        assert (new[0][j] <= new[0][i] + allowed).all()
+        assert (new[1][i] <= new[1][j] + allowed).all()
+
+
+@pytest.mark.parametrize("factor", FACTORS)
+@pytest.mark.parametrize("axis", AXES)
+@pytest.mark.parametrize("name", WHOLE)
+def test_the_whole_is_resized(tmp_path: Path, name: str, axis: str, factor: float) -> None:
+    draft = draft_of(name, tmp_path)
+    before = grown(draft)
+    made = resized(draft, WHOLE[name], axis, factor, None)
+    after = grown(made)
+    check_holds(before, after)
+    wide = [np.ptp(np.stack(tree.boxes(np.eye(3))), axis=(0, 1)) for tree in (before, after)]
+    k = AXES.index(axis)
+    assert wide[1][k] == pytest.approx(factor * wide[0][k], rel=0.15)
+    others = [other for other in range(3) if other != k]
+    assert wide[1][others] == pytest.approx(wide[0][others], rel=1e-6)
+
+
+@pytest.mark.parametrize("factor", FACTORS)
+@pytest.mark.parametrize("axis", AXES)
+@pytest.mark.parametrize("name", PART)
+def test_a_part_is_resized(tmp_path: Path, name: str, axis: str, factor: float) -> None:
+    draft = draft_of(name, tmp_path)
+    select, number = PART[name]
+    before = grown(draft)
+    size = box_size(before, select, number)
+    k = AXES.index(axis)
+    if size[k] <= 0:
+        pytest.skip("it is flat along that axis")
+    made = resized(draft, select, axis, factor, number)
+    check_holds(before, grown(made))
+
+
+def box_size(tree: Tree, select: str, number: int) -> np.ndarray:
+    from ipmlang.edit.buildings.forms import Forms
+
+    low, high = Forms(tree).box(selected(tree, select, number)[0])
+    return np.asarray(high - low)
+
+
+@pytest.mark.parametrize("factor", [0.5, 1.5, 3.0])
+@pytest.mark.parametrize("name", ["wall", "round", "bricks", "court"])
+def test_there_and_back_is_as_it_was(tmp_path: Path, name: str, factor: float) -> None:
+    draft = draft_of(name, tmp_path)
+    before = grown(draft)
+    there = resized(draft, WHOLE[name], "x", factor, None)
+    back = resized(there, WHOLE[name], "x", 1 / factor, None)
+    after = grown(back)
+    assert len(after.owner) == len(before.owner)
+    for one, other in zip(before.boxes(np.eye(3)), after.boxes(np.eye(3)), strict=True):
+        assert np.abs(one - other).max() <= tolerance(before)
+
+
+def test_a_stretched_part_becomes_a_row_of_itself(tmp_path: Path) -> None:
+    made = resized(draft_of("wall", tmp_path), "Castle", "x", 2.0, None)
+    assert re.search(r"Window_row +--> split x { { ~1.2: Window_fitted }\* }", made.text)
+    assert grown(made).terminals.labels.count("Pane") == 2 * 12
+
+
+def test_comments_and_other_rules_stay(tmp_path: Path) -> None:
+    draft = draft_of("wall", tmp_path)
+    made = resized(draft, "Window", "x", 1.5, 3)
+    assert made.text.startswith("// A wall with windows between two towers")
+    kept = [line for line in draft.text.splitlines() if line.startswith("Window ")]
+    assert kept[0].split("-->")[1] in made.text
+
+
+def test_one_parameter_is_enough_where_it_is(tmp_path: Path) -> None:
+    draft = draft_of("floors", tmp_path)
+    made = resize(draft, "Facade", Wanted(x=21.0))
+    assert made.text == draft.text.replace("box(15, 9, 0)", "box(21, 9, 0)")
+    made = resize(draft, "Facade", Wanted(y=19.2))
+    assert made.text == draft.text.replace("int   = 4 in", "int   = 6 in")
+
+
+def test_an_edit_finishes_as_a_file(tmp_path: Path) -> None:
+    made = resized(draft_of("round", tmp_path), "Keep", "x", 1.5, None)
+    out = tmp_path / "out" / "wide.ipm"
+    out.parent.mkdir()
+    finished = edit.save(made, out)
+    assert not finished.warnings
+    assert finished.terminals == 12
+    assert {path.name for path in finished.files} == {"wide.baked.parts.obj"}
