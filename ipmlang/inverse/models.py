@@ -7,7 +7,7 @@ schemes are tried. Nothing is written.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
@@ -18,10 +18,11 @@ from ipmlang.compiler.format import format_grammar
 from ipmlang.compiler.tokens import count_text_tokens
 from ipmlang.formats import FormatError
 from ipmlang.formats.drawing import Note
-from ipmlang.formats.mesh_types import Mesh
+from ipmlang.formats.mesh_types import Mesh, moved
 from ipmlang.formats.numbers import decimals_for
 from ipmlang.inverse.drawings import unreadable
 from ipmlang.inverse.found import Found
+from ipmlang.inverse.frames import Frames, matrices
 from ipmlang.inverse.naming import capital, word
 from ipmlang.inverse.options import Options
 from ipmlang.inverse.parts.observation import Parts
@@ -29,6 +30,7 @@ from ipmlang.inverse.report import Report, counted
 from ipmlang.inverse.split.assembly import flat
 from ipmlang.inverse.split.comparison import Difference
 from ipmlang.inverse.split.explained import count_explained
+from ipmlang.inverse.split.homes import at_home
 from ipmlang.inverse.split.parts_file import PartsFile, parts_name, write_parts
 from ipmlang.inverse.split.placing import Precision
 from ipmlang.inverse.split.printing import print_scheme
@@ -64,7 +66,7 @@ def grammar_of_model(
     goal = _Goal(parts, source, limit, stem, capital(word(path.stem)) or "Building")
     plain = flat(parts)
     written_out = _written(goal, plain, ROUNDINGS[0], one_by_one=True)[0]
-    schemes = [plain] if is_flat else _searched(goal, plain, options)
+    schemes = iter([plain]) if is_flat else _searched(goal, plain, options)
     say("comparing with the model")
     for scheme in schemes:
         for rounding in ROUNDINGS:
@@ -82,29 +84,33 @@ def grammar_of_model(
     )
 
 
-def _searched(goal: _Goal, plain: Scheme, options: Options) -> list[Scheme]:
+def _searched(goal: _Goal, plain: Scheme, options: Options) -> Iterator[Scheme]:
     """The schemes that options ask for, in the order in which they are tried: the best first, then
-    what says less.
+    what takes fewer liberties or says less.
     """
     parts = goal.parts
     small = NOTHING * parts.diagonal
     if options.paper:
         from ipmlang.inverse.split.raw_form import raw_form
 
-        return [raw_form(parts, small), plain]
+        yield raw_form(parts, small)
+        yield plain
+        return
     from ipmlang.inverse.split.facades import as_splits
-    from ipmlang.inverse.split.search import shortest
+    from ipmlang.inverse.split.search import schemes
 
-    found = shortest(parts)
-    split = as_splits(found, small)
-    shorter = sorted({id(each): each for each in (found, plain)}.values(), key=_length(goal))
-    if split is found or shorter[0] is plain:
-        return shorter
-    return [split, *shorter]
+    longest = _length(goal, plain)
+    for found in schemes(parts, goal.limit * parts.diagonal):
+        if _length(goal, found) < longest:
+            split = as_splits(found, small)
+            if split is not found:
+                yield split
+            yield found
+    yield plain
 
 
-def _length(goal: _Goal) -> Callable[[Scheme], int]:
-    return lambda scheme: _tokens(_written(goal, scheme, ROUNDINGS[0], False)[0])
+def _length(goal: _Goal, scheme: Scheme) -> int:
+    return _tokens(_written(goal, scheme, ROUNDINGS[0], False)[0])
 
 
 def _tokens(grammar: ast.Grammar) -> int:
@@ -137,10 +143,13 @@ def _written(
 ) -> tuple[ast.Grammar, PartsFile]:
     """The grammar of a scheme and the file of its terminals."""
     parts, room = goal.parts, rounding * goal.limit
+    homes: dict[int, Frames] = {}
+    if not one_by_one:
+        scheme, homes = at_home(scheme, NOTHING * parts.diagonal)
     printed = print_scheme(scheme, goal.axiom, Precision(room * parts.diagonal), one_by_one)
     terminals = {
-        name: parts.classes[symbol.part].mesh
-        for name, symbol in zip(printed.names, scheme.symbols, strict=True)
+        printed.names[number]: _at_home(parts.classes[symbol.part].mesh, homes.get(number))
+        for number, symbol in enumerate(scheme.symbols)
         if isinstance(symbol, Terminal)
     }
     file = write_parts(terminals, decimals_for(parts.diagonal, 4 * room))
@@ -149,6 +158,10 @@ def _written(
         items.append(ast.Axes("y-up"))
     items.append(ast.Asset(tuple(terminals), parts_name(goal.stem, file.suffix), True))
     return ast.Grammar((*items, *printed.items)), file
+
+
+def _at_home(mesh: Mesh, home: Frames | None) -> Mesh:
+    return mesh if home is None else moved(mesh, matrices(home)[0])
 
 
 def _report(goal: _Goal, scheme: Scheme, difference: Difference, options: Options) -> Report:

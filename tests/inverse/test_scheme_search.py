@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from inverse.planted_schemes import at, box, mirrored, observed, places, planted, turned, wedge
 
-from ipmlang.inverse.frames import Frames, identity
+from ipmlang.inverse.frames import Frames, compose, identity, join, matrices
 from ipmlang.inverse.split.assembly import flat, largest_error
 from ipmlang.inverse.split.cost import scheme_tokens
-from ipmlang.inverse.split.scheme import Array, Direction, Ring, Rule, Scheme
+from ipmlang.inverse.split.expansion import expand
+from ipmlang.inverse.split.homes import at_home
+from ipmlang.inverse.split.scheme import Array, Direction, Ring, Rule, Scheme, Terminal
 from ipmlang.inverse.split.search import shortest
 
 
@@ -127,3 +129,20 @@ def test_clutter_has_no_rules() -> None:
     assert _rules(scheme) == 0
     assert not _items(scheme, Array)
     assert not _items(scheme, Ring)
+
+
+def test_terminals_of_one_rule_stand_in_its_coordinates() -> None:
+    """`Window --> frame pane sill`; what stands elsewhere too is placed from there."""
+    window = [places(0, at((1, 2, 3))), places(1, turned(2, 30, (4, 5, 6)))]
+    classes = [wedge((1, 0.2, 1.5)), wedge((0.8, 0.3, 1.3))]
+    symbols = [Terminal(f"part{k}", each.size, k) for k, each in enumerate(classes)]
+    rule = Rule("", np.ones(3), tuple(window))
+    whole = Rule("", np.ones(3), (places(2, at((0, 0, 0), (9, 0, 0))), places(1, at((1, 1, 1)))))
+    scheme = Scheme((*symbols, rule, whole), identity())
+    moved, homes = at_home(scheme, 1e-9)
+    assert set(homes) == {0, 1}
+    assert scheme_tokens(moved, 1e-9) < scheme_tokens(scheme, 1e-9)
+    shape, frames = expand(moved)
+    there = join([compose(frames[k : k + 1], homes[int(part)]) for k, part in enumerate(shape)])
+    assert np.allclose(matrices(there), matrices(expand(scheme)[1]))
+    assert np.allclose(moved.symbols[0].low, (1, 2, 3))

@@ -27,6 +27,8 @@ def extents(scheme: Scheme) -> Floats:
         boxes[number, 1] = symbol.size
         if isinstance(symbol, Rule):
             boxes[number] = _extent(symbol, boxes)
+        else:
+            boxes[number] += symbol.low
     return boxes
 
 

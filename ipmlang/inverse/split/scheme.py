@@ -7,19 +7,24 @@ Nothing here searches or prints.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TypeAlias
+
+import numpy as np
 
 from ipmlang.inverse.frames import Floats, Frames
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Terminal:
-    """A shape that no rule makes: the class of parts with this index. Its scope is its box."""
+    """A shape that no rule makes: the class of parts with this index. Its scope is its box, which
+    begins at `low` (3,) in its own coordinates.
+    """
 
     name: str
     size: Floats
     part: int
+    low: Floats = field(default_factory=lambda: np.zeros(3))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -29,6 +29,7 @@ from ipmlang.inverse.split.wholes import wholes
 
 PROVEN = 1e-6  # share of the diagonal that anything may be off
 SHARES = (0.7, 0.35, 0.15, 0.05)  # of that, what a placement may be off, in turn
+HOPE = 1.3  # times the bound that a scheme seems off, which a proof may still find to be within
 NOTHING = 0.1  # of that, what is printed as nothing
 LEAST = 2.0  # tokens that a rule has to save
 TRIED = 10  # candidates of a round that are priced exactly
@@ -42,7 +43,8 @@ def shortest(parts: Parts, error: float | None = None, work: int = WORK) -> Sche
     error: units that a part may be off, None for what counts as exact; work: lookups after which
     the best so far is given.
     """
-    return next(schemes(parts, error, work))
+    bound = PROVEN * parts.diagonal if error is None else error
+    return next(each for each in schemes(parts, error, work) if _off(parts, each) <= bound)
 
 
 def schemes(parts: Parts, error: float | None = None, work: int = WORK) -> Iterator[Scheme]:
@@ -55,11 +57,15 @@ def schemes(parts: Parts, error: float | None = None, work: int = WORK) -> Itera
     for share in SHARES:
         limits = Limits(share * bound, NOTHING * bound)
         found = _searched(parts, limits, work)
-        off = np.hypot(errors(parts, found), parts.misfit)
-        if off.max(initial=0.0) <= bound:
+        if _off(parts, found) <= HOPE * bound:
             small = limits.small
             yield min((found, plain), key=lambda scheme: scheme_tokens(scheme, small))
     yield plain
+
+
+def _off(parts: Parts, scheme: Scheme) -> float:
+    """Units that a vertex may well be off."""
+    return float(np.hypot(errors(parts, scheme), parts.misfit).max(initial=0.0))
 
 
 def _searched(parts: Parts, limits: Limits, work: int) -> Scheme:

@@ -1,0 +1,122 @@
+"""Terminals in the coordinates of what they belong to, so that a rule need not say where they are.
+
+Takes a scheme; gives the same one with terminals that were moved to where one of their copies
+stands, if that is shorter: `Window --> frame pane sill`. Where a terminal has to fill a scope it
+stays in its own box. Nothing is searched, and nothing is drawn elsewhere than before.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ipmlang.inverse.frames import Floats, Frames, compose, inverse, spread
+from ipmlang.inverse.split.cost import item_tokens, placement_tokens
+from ipmlang.inverse.split.scheme import (
+    Array,
+    Item,
+    Octant,
+    Place,
+    Ring,
+    Rule,
+    Scheme,
+    Split,
+    Symbol,
+    Terminal,
+)
+
+TRIED = 8  # copies of a terminal that it may be moved to
+_CORNERS = np.array([[k & 1, k >> 1 & 1, k >> 2] for k in range(8)], np.float64)
+
+
+def at_home(scheme: Scheme, small: float) -> tuple[Scheme, dict[int, Frames]]:
+    """The scheme with moved terminals, and for each of them by number where its box now stands in
+    its own coordinates, one row: for printing, as `expand` knows nothing of homes. small: units
+    that are printed as nothing.
+    """
+    homes: dict[int, Frames] = {}
+    items = _free_items(scheme)
+    for number, own in items.items():
+        home = _home(own, small)
+        if home is not None:
+            homes[number] = home
+    symbols = tuple(_moved(symbol, number, homes) for number, symbol in enumerate(scheme.symbols))
+    return replace(scheme, symbols=symbols), homes
+
+
+def _free_items(scheme: Scheme) -> dict[int, list[Place | Array | Ring]]:
+    """The items that place each terminal, of those that never fill a scope."""
+    free: dict[int, list[Place | Array | Ring]] = {
+        number: [] for number, symbol in enumerate(scheme.symbols) if isinstance(symbol, Terminal)
+    }
+    for symbol in scheme.symbols:
+        for item in symbol.items if isinstance(symbol, Rule) else ():
+            for number in _filling(item):
+                free.pop(number, None)
+            if isinstance(item, Place | Array | Ring) and item.symbol in free:
+                free[item.symbol].append(item)
+    return free
+
+
+def _filling(item: Item) -> list[int]:
+    """The symbols to which an item gives a scope."""
+    match item:
+        case Split():
+            return [cell.symbol for cell in item.cells if cell.symbol is not None]
+        case Octant():
+            return [item.symbol]
+        case Place() if item.stretch is not None:
+            return [item.symbol]
+        case _:
+            return []
+
+
+def _home(items: list[Place | Array | Ring], small: float) -> Frames | None:
+    """Where the terminal of these items is best at home; None: where it is."""
+    singly = [item.frames for item in items if isinstance(item, Place)]
+    candidates = [frames[row : row + 1] for frames in singly for row in range(len(frames))]
+    costly = [each for each in candidates if int(placement_tokens(each, small)[0]) > 1]
+    best, least = None, sum(item_tokens(item, small) for item in items)
+    for home in costly[:TRIED]:
+        if abs(home.scale[0] - 1) > 1e-12:
+            continue
+        tokens = sum(item_tokens(_seen_from(item, home), small) for item in items)
+        if tokens < least:
+            best, least = home, tokens
+    return best
+
+
+def _seen_from(item: Place | Array | Ring, home: Frames) -> Place | Array | Ring:
+    """The item for a terminal that was moved."""
+    back = inverse(home)
+    if isinstance(item, Place):
+        return replace(item, frames=_tidy(compose(item.frames, back)))
+    return replace(item, first=_tidy(compose(item.first, back)))
+
+
+def _tidy(frames: Frames) -> Frames:
+    """Without what is left over of numbers that cancel."""
+    rotation = np.where(np.abs(frames.rotation) < 1e-12, 0.0, frames.rotation)
+    position = np.where(np.abs(frames.position) < 1e-12, 0.0, frames.position)
+    return replace(frames, rotation=rotation, position=position)
+
+
+def _moved(symbol: Symbol, number: int, homes: dict[int, Frames]) -> Symbol:
+    if isinstance(symbol, Terminal):
+        if number not in homes:
+            return symbol
+        low, high = _box(homes[number], symbol.size)
+        return replace(symbol, size=high - low, low=low)
+    items = tuple(
+        _seen_from(item, homes[item.symbol])
+        if isinstance(item, Place | Array | Ring) and item.symbol in homes
+        else item
+        for item in symbol.items
+    )
+    return replace(symbol, items=items)
+
+
+def _box(home: Frames, size: Floats) -> tuple[Floats, Floats]:
+    corners = spread(home, _CORNERS * size)[0]
+    return corners.min(axis=0), corners.max(axis=0)
