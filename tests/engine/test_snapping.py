@@ -230,6 +230,14 @@ def test_lines_at_the_middle_and_the_ends() -> None:
     assert [size[0] for _, _, size in labelled(scene)] == [1.5, 5, 1.5]
 
 
+def test_a_scaled_scope_makes_its_lines_where_it_ends() -> None:
+    scene = run(
+        'A --> [*(2) size(3, 1, 0) snap("f", x, at: end)] phase(2) S\n'
+        'S --> split x(snap: "f") { ~1: B | ~1: B }\nstart A on box(10, 1, 0)\n'
+    )
+    assert [size[0] for _, _, size in labelled(scene)] == [6, 4]
+
+
 def test_lines_that_stand_askew_are_not_seen() -> None:
     text = (
         'A --> [translate(4.5, 0, 0) rotate(0, 0, {}) snap("f", x)] phase(2) S\n'
