@@ -78,6 +78,7 @@ class Writer:
         self.ended: State | None = None
         self.base: State = {}
         self.owners: list[str] = []  # of the copies around, since the base was noted
+        self._moving: dict[int, bool] = {}
         self.unknown: set[str] = set()  # of a quiet walk: what an operation on geometry made of it
 
     # ------------------------------------------------------------------------ elements
@@ -362,7 +363,7 @@ class Writer:
         start.update({name: UNSET for name in pens if name != "layer"})
         quiet, self.quiet = self.quiet, True
         unknown, self.unknown = self.unknown, set(self.unknown)
-        step = self.body(each.body, inner, dict(start))
+        step = self.body(each.body, inner, dict(start)) if self._moves(each) else start
         step.update((name, start[name]) for name in SCOPE_FIELDS if name in start)
         self.quiet, self.unknown = quiet, unknown
         after = state
@@ -373,9 +374,21 @@ class Writer:
             self.owners.append(owner)
             self.body(each.body, inner, questions.began(self, each.body, inner, own))
             self.owners.pop()
-            slots, self.slots = self.values(self.slots), outer
+            slots, self.slots = self.held(self.values(self.slots)), outer
             self.slots.append(f"Copies({counts}, {owner}, {slots})")
         return after
+
+    def _moves(self, repeat: ir.Instruction) -> bool:
+        """Whether a copy may leave another state than it found: only then is it walked for it."""
+        found = self._moving.get(id(repeat))
+        if found is None:
+            found = any(
+                self._moves(each) if each.op == "repeat"
+                else not (each.op in ir.VALUE_OPS or self._makes(each))
+                for each in repeat.body
+            )  # fmt: skip
+            self._moving[id(repeat)] = found
+        return found
 
     def _walked(
         self, state: State, step: State, start: State, own: State, counts: str, owner: str

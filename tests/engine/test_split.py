@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import random
+from time import process_time
 
 import numpy as np
 import pytest
@@ -288,3 +289,13 @@ def test_a_part_that_makes_itself_ends_when_no_room_is_left() -> None:
     scene = run("A --> split x { 1: B | ~1: A }\nstart A on box(10.5, 1, 0)\n")
     assert len(scene.instances) == 11
     assert math.isclose(float(scene.instances.size[-1, 0]), 0.5)
+
+
+@pytest.mark.parametrize("depth", [1, 7, 100])
+def test_repeats_in_repeats_are_written_once_each(depth: int) -> None:
+    """A repeat's body is one more loop over copies, not one more for each repeat around it."""
+    text = "ipm 1\nLot --> split x { " + "{ " * depth + "~1: A" + " }*" * depth
+    grammar = ipmlang.parse(f"{text} }}\nstart Lot on box(10, 10, 0)\n")
+    begin = process_time()
+    assert len(grammar.run().instances) == 10
+    assert process_time() - begin < 20
