@@ -98,7 +98,8 @@ ITEMS = {
     "`interpret` rules): its name, how many decisions, and their code. A decision is the number, "
     "from 0 and in the order of the file, of the production that was taken among those of the "
     "symbol that have a percentage or a weight; one more than the last says that none was. "
-    "Decisions stand generation by generation, and from left to right in the string within one. A "
+    "Decisions stand generation by generation, and from left to right in the string within one; a "
+    "string of its own among scopes is derived whole where it begins. A "
     "text of another length than the derivation asks for is an error; with `--set` it holds as far "
     "as it goes and fits, and seed 0 draws the rest. Symbols that are not named draw from seed 0, "
     "and so do `rand` and its like. `ipmlang.runtime.choices.encode` writes such texts.",

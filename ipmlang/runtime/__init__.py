@@ -59,19 +59,14 @@ def derive(
     if program.residual is not None and (attrs or seed is not None):
         program = replace(program, residual=replace(program.residual, strict=False))
     limits = program.limits if limits is None else _limits(limits, written, program)
-    if program.choices is not None and program.scoped:
-        raise fail(
-            "not-executable",
-            "`start … choices` is for strings: a program with scopes cannot draw them again yet",
-            hint="leave `choices` out, and give the seed that you like: run --seed",
-        )
+    replay = None
     if seed is None and program.choices is not None:
         replay = Replay(program, program.choices, strict=not attrs)
-        scene = derive_string(program, values, 0, limits, replay)
-    else:
-        scene = derive_frontier(program, values, seed or 0, limits, tell) or derive_string(
-            program, values, seed or 0, limits
-        )
+    scene = None
+    if replay is None or program.scoped:
+        scene = derive_frontier(program, values, seed or 0, limits, tell, replay)
+    if scene is None:
+        scene = derive_string(program, values, seed or 0, limits, replay)
     scene.seconds = time.process_time() - begun
     return scene
 

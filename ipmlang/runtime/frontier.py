@@ -25,6 +25,7 @@ from ipmlang.runtime.compiled import Compiled
 from ipmlang.runtime.drawings import Chunk
 from ipmlang.runtime.grouping import Grouping
 from ipmlang.runtime.keys import Words
+from ipmlang.runtime.levels import Levels
 from ipmlang.runtime.limits import Counted, Trail
 from ipmlang.runtime.order import Drawn, Made, Order, Record
 from ipmlang.runtime.pending import FINAL, Pending, Shapes
@@ -42,6 +43,7 @@ from ipmlang.runtime.values import Batch, Bound, Scope
 if TYPE_CHECKING:
     from ipmlang.runtime.lineage import Recorder
     from ipmlang.runtime.queries.occluders import Occluders
+    from ipmlang.runtime.replay import Recording, Replay
 
 NARROW = 24  # so few shapes run one by one
 FLAT = (SEGMENT, OUTLINE)  # what a turtle draws has no scope
@@ -62,11 +64,13 @@ class Frontier(Trimming):
         steps: int | None,
         answers: Occluders | None = None,
         recorder: Recorder | None = None,
+        draws: Replay | Recording | None = None,
     ) -> None:
         counted = Counted(bound.program, limits)
         super().__init__(bound.program, counted, AssetSolids(bound.program), answers)
         self.bound = bound
         self._recorder = recorder
+        self.draws = draws
         self._initial = initial
         self.fields = tuple(initial)
         self.steps = steps
@@ -94,15 +98,18 @@ class Frontier(Trimming):
         self.counted.trail = Trail(self.order, self.names)
         self._names = [(0, "start")]
         self.apply(-1, self._axiom(seed))
+        levels = None if self.draws is None else Levels(self)
         while self.pending.count or self._later:
             if not self.pending.count:
                 self.enter(min(self._later))
                 self.pending = self._later.pop(self.phase)
-            if self.pending.count <= NARROW and not self.program.scoped and not self._recorder:
+            if levels is not None:
+                levels.next()
+            elif self.pending.count <= NARROW and not self.program.scoped and not self._recorder:
                 self._single.run()
             else:
                 (symbol, generation), shapes = self.pending.next()
-                self._derive(symbol, generation, shapes)
+                self.derive(symbol, generation, shapes)
 
     def names(self) -> list[tuple[int, str]]:
         """Where in the numbers of shapes those of each name begin."""
@@ -133,7 +140,7 @@ class Frontier(Trimming):
 
     # ------------------------------------------------------------------ batches
 
-    def _derive(self, symbol: int, generation: int, shapes: Shapes) -> None:
+    def derive(self, symbol: int, generation: int, shapes: Shapes) -> None:
         """Rewrite or interpret a batch of shapes of one symbol."""
         self._check(symbol, shapes)
         if self.program.symbols[symbol].apart and generation < FINAL:
@@ -152,7 +159,10 @@ class Frontier(Trimming):
             return
         self.counted.now = shapes.numbers
         try:
-            taken, rest = Choice(batch, numbers, None).walk()
+            if self.draws is None:
+                taken, rest = Choice(batch, numbers, None).walk()
+            else:  # the shapes stand from left to right
+                taken, rest = self.draws.choose(batch, numbers, None, np.arange(shapes.count))
         except ShapeError as found:
             shape = int(shapes.numbers[found.row])
             raise self.counted.traced(found.error, shape) from found

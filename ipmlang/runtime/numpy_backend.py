@@ -21,6 +21,7 @@ from ipmlang.runtime.fields import fields
 from ipmlang.runtime.frontier import Frontier
 from ipmlang.runtime.lineage import Lineage, Recorder
 from ipmlang.runtime.primitives import UnscannableError
+from ipmlang.runtime.replay import Recording, Replay
 from ipmlang.runtime.scene import Scene
 from ipmlang.runtime.scopes.reports import unfit_notes
 from ipmlang.runtime.strings import steps_of
@@ -36,9 +37,11 @@ def derive_frontier(
     seed: int,
     limits: ir.Limits,
     tell: Callable[[Lineage], None] | None = None,
+    draws: Replay | Recording | None = None,
 ) -> Scene | None:
     """Derive a program whose modules expand independently; None where they do not. `tell` gets the
-    derivation tree, which is kept for it alone.
+    derivation tree, which is kept for it alone. `draws`: known choices of productions, or who notes
+    them, in a program with scopes.
 
     Raises IpmError where a limit is reached, no production applies, or a number is not finite.
     """
@@ -49,17 +52,21 @@ def derive_frontier(
     bound = Bound(program, attrs, FUNCTIONS)
     initial = fields(program)
     recorder = None if tell is None else Recorder()
-    frontier = Frontier(bound, initial, limits, steps_of(bound, seed), None, recorder)
+    frontier = Frontier(bound, initial, limits, steps_of(bound, seed), None, recorder, draws)
     with np.errstate(all="ignore"):  # what is not finite is an error, not a warning
         try:
             frontier.run(seed)
             if frontier.first_pass:
                 answers = frontier.occluders()
                 recorder = None if tell is None else Recorder()
+                if draws is not None:
+                    draws.restart()
                 frontier = Frontier(
-                    bound, initial, limits, steps_of(bound, seed), answers, recorder
+                    bound, initial, limits, steps_of(bound, seed), answers, recorder, draws
                 )
                 frontier.run(seed)
+            if draws is not None:
+                draws.finish()
         except UnscannableError:
             if program.scoped:
                 raise fail(

@@ -98,6 +98,26 @@ class Order:
         return places
 
 
+def ranked(records: Sequence[Record], ranks: Numbers, shapes: int, drawings: int) -> Numbers:
+    """Numbers (shapes,) that rise from left to right among what one generation made: `records` are
+    all of its applications, `ranks` such numbers of its own shapes.
+    """
+    weights = np.ones(shapes, np.int32)
+    total = np.zeros(shapes, np.int32)
+    for record in records:
+        total[record.shapes] = _weigh(record.slots, len(record.shapes), weights)
+    own = np.concatenate([record.shapes for record in records])
+    own = own[np.argsort(ranks[own], kind="stable")]
+    begins = np.zeros(shapes, np.int32)
+    begins[own] = np.cumsum(total[own]) - total[own]
+    made = np.zeros(shapes, np.int32)
+    made[: len(ranks)] = ranks
+    places = np.zeros(drawings, np.int32)
+    for record in records:
+        _lay(record.slots, begins[record.shapes], weights, made, places)
+    return made.astype(np.int64)
+
+
 def _weigh(slots: Sequence[Slot], count: int, weights: Weights) -> Weights:
     """How many drawings each row of a batch becomes."""
     total = np.zeros(count, np.int32)

@@ -82,6 +82,15 @@ class Pending:
         self._note(key, batch.count)
         return key, batch
 
+    def level(self) -> list[tuple[Key, Shapes]]:
+        """All shapes of the first generation that waits, by symbol."""
+        first = min(generation for _, generation in self._counts)
+        found = []
+        for key in sorted(each for each in self._counts if each[1] == first):
+            self.count -= self._counts.pop(key)
+            found.append((key, merged(self._chunks.pop(key))))
+        return found
+
     def all(self) -> Iterator[tuple[Key, Shapes]]:
         """Everything that waits, which then waits no more."""
         chunks, self._chunks, self._counts, self.count = self._chunks, {}, {}, 0
