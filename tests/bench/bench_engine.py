@@ -8,9 +8,7 @@ its own, so that peaks are its own. Timings are kept, never asserted.
 
 from __future__ import annotations
 
-import json
 import resource
-import subprocess
 import sys
 import time
 from dataclasses import fields
@@ -20,6 +18,8 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
+
+from processes import report  # noqa: E402
 
 import ipmlang  # noqa: E402
 from ipmlang.compiler import ir  # noqa: E402
@@ -119,15 +119,4 @@ def _length(body: tuple[ir.Instruction, ...]) -> int:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 1:
-        print(json.dumps(measure(sys.argv[1])))
-    else:
-        found = {
-            name: json.loads(
-                subprocess.run(
-                    [sys.executable, __file__, name], check=True, capture_output=True, text=True
-                ).stdout
-            )
-            for name in GRAMMARS
-        }
-        print(json.dumps(found, indent=2))
+    report(__file__, GRAMMARS, measure, {})

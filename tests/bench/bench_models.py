@@ -8,9 +8,7 @@ absent.
 
 from __future__ import annotations
 
-import json
 import struct
-import subprocess
 import sys
 import tempfile
 import time
@@ -23,6 +21,8 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 MODELS = ROOT.parent / "shared" / "data" / "mesh"
+
+from processes import report  # noqa: E402
 
 import ipmlang  # noqa: E402
 from ipmlang.formats.glb_write import glb_bytes  # noqa: E402
@@ -113,21 +113,6 @@ def measure(name: str) -> dict[str, float]:
     return found
 
 
-def main() -> None:
-    """Run every case in its own process."""
-    if len(sys.argv) > 1:
-        print(json.dumps(measure(sys.argv[1])))
-        return
-    found = {}
-    for name, (text, _) in CASES.items():
-        if "asset" in text and not MODELS.is_dir():
-            continue
-        run = subprocess.run(
-            [sys.executable, __file__, name], capture_output=True, text=True, check=True
-        )
-        found[name] = json.loads(run.stdout)
-    print(json.dumps(found, indent=2))
-
-
 if __name__ == "__main__":
-    main()
+    there = [name for name, (text, _) in CASES.items() if "asset" not in text or MODELS.is_dir()]
+    report(__file__, there, measure, {})

@@ -22,6 +22,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
+from processes import report  # noqa: E402
+
 import ipmlang  # noqa: E402
 
 FACADE = """ipm 1
@@ -139,15 +141,4 @@ def command() -> dict[str, float]:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 1:
-        print(json.dumps(measure(sys.argv[1])))
-    else:
-        found = {
-            name: json.loads(
-                subprocess.run(
-                    [sys.executable, __file__, name], check=True, capture_output=True, text=True
-                ).stdout
-            )
-            for name in TASKS
-        }
-        print(json.dumps({**found, "one small house, the whole command": command()}, indent=2))
+    report(__file__, TASKS, measure, {"one small house, the whole command": command})
