@@ -32,6 +32,7 @@ SPACE = {
     "A(n) : else --> F\n",
     "bends": "tropism (0.3, 0, -1) 0.4\nP --> A(4)\n"
     "A(n) : n > 0 --> F(1) [&(40) A(n - 1)] /(137) A(n - 1)\nA(n) : else --> F(0.5)\n",
+    "copies": "P --> repeat(i < 5) { F(1) &(20) /(40) $ [^(30) F(0.3)] }\n",
     "fills": "P --> F A &(40) F\nA --> [&(70) L] /(50) F\n" + LEAF,
 }
 
@@ -152,6 +153,7 @@ def test_ivy_on_a_house_is_written() -> None:
         ("Lot --> size(1, 1, 1) [F cut F]\n", "cut", "`cut`"),
         ("tropism (0, 0, -1) 0.2\nLot --> size(1, 1, 1) [F]\n", "F]", "that a tropism bends"),
         ("Lot --> size(1, 1, 1) [B] [C]\nB < C --> F\n", "C]", "what stands beside it"),
+        ("Lot --> size(1, 1, 1) repeat(i < 3) { F &(9) $ }\n", "repeat", "levels the turtle"),
         ("Lot --> [B] C\nB < C --> size(1, 1, 1) F\n", "C", "what stands beside it"),
     ],
 )

@@ -85,10 +85,23 @@ class Strings:
             return Misplaced(production, None, "a context")
         for each in _all(production.body):
             what = self._needed(each) if each.op == "module" else None
+            if each.op == "repeat" and self._levels(each.body):
+                what = "a `repeat` that levels the turtle"  # which no scan over copies can do
             if what is not None:
                 return Misplaced(production, each, what)
         child = self._found.threads(production.body)
         return None if child is None else Misplaced(production, child, "")
+
+    def _levels(self, body: Sequence[ir.Instruction]) -> bool:
+        """Whether a copy hands a levelled turtle on to the next."""
+        depth = 0
+        for each in body:
+            depth += (each.op == "open") - (each.op == "close")
+            if depth == 0 and each.op == "module":
+                meaning = self._symbols[_number(each)].meaning or ()
+                if any(step.op == "level" for step in meaning):
+                    return True
+        return False
 
     def _needed(self, module: ir.Instruction) -> str | None:
         """What a module needs a string for, in the words of the message."""

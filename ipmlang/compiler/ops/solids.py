@@ -86,7 +86,9 @@ MAKING = (
 
 TAKING_APART = (
     _solid("comp", "Take a solid apart: each part's label selects faces (edges, vertices), as "
-           "`side`, `top`, an index, a text tag, and `and`, `or`, `not` of them.",
+           "`side`, `top`, an index, a text tag, and `and`, `or`, `not` of them. Faces, edges or "
+           "vertices may be a text that is computed; labels are words and texts as they are "
+           "written: rules choose between them.",
            ((), (words("of", "faces", "edges", "vertices"),)),
            ("comp { side: Facade | top: Roof }", "comp(edges) { all: Gutter }",
             'comp { front and not "street": Wall | 3: Door }'),
@@ -97,9 +99,9 @@ TAKING_APART = (
             "`area` cuts along x into pieces of given areas. `u` and `v` cut along the texture "
             "coordinates that the shape has here, from where they are least: sizes are in images, "
             "so that 1 is one image of `projectUV` or `tileUV`, and without these a whole side, or "
-            "what a mesh brings; each must run evenly along one axis of the scope, forward or "
-            "back, which a side that `comp` gave does, but all sides of a solid together only in a "
-            "projection. With `snap:` the lengths are shared out as always, and then each cut "
+            "what a mesh brings. They must run evenly over the shape, as they do over a side that "
+            "`comp` gave, but over all sides of a solid together only in a projection. Where they "
+            "run aslant to the scope, pieces take the boxes of what they are. With `snap:` the lengths are shared out as always, and then each cut "
             "moves to the nearest of the lines that `snap` made under that name in phases before, "
             "across the same direction, wherever they were made; with `within` a label, of those "
             "alone that descend from the same shape of that label as this one. Floating and "
