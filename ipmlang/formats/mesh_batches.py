@@ -36,13 +36,14 @@ _SMALL = 1_000  # vertices of a batch that is made together with others of its n
 class Batch:
     """k copies of one mesh: `vertices` (k, v, 3) in the world; `mesh` has its faces in the order
     that faces outward; `name` and `material` are indices into the scene's, material -1 for the
-    mesh's own.
+    mesh's own; `normals` (k, c, 3) of unit length in the world, where the mesh has any.
     """
 
     mesh: Mesh
     vertices: Floats
     name: int
     material: int
+    normals: Floats | None = None
 
 
 def batches(scene: MeshScene, up: Literal["y-up", "z-up"] = "z-up") -> Iterator[Batch]:
@@ -64,16 +65,24 @@ def batches(scene: MeshScene, up: Literal["y-up", "z-up"] = "z-up") -> Iterator[
         yield _joined(waiting)
 
 
-def _look(batch: Batch) -> tuple[int, int]:
-    return batch.name, batch.material
+def _look(batch: Batch) -> tuple[int, int, bool]:
+    return batch.name, batch.material, batch.normals is None
 
 
 def _joined(parts: list[Batch]) -> Batch:
     """One batch of one mesh, all of whose copies are faces of it."""
     if len(parts) == 1:
         return parts[0]
-    whole = merged([replace(part.mesh, vertices=each) for part in parts for each in part.vertices])
-    return Batch(whole, whole.vertices[None], *_look(parts[0]))
+    whole = merged([each for part in parts for each in _placed(part)])
+    normals = None if whole.normals is None else whole.normals[None]
+    return Batch(whole, whole.vertices[None], parts[0].name, parts[0].material, normals)
+
+
+def _placed(part: Batch) -> Iterator[Mesh]:
+    """Each copy as a mesh of its own."""
+    for copy, vertices in enumerate(part.vertices):
+        normals = None if part.normals is None else part.normals[copy]
+        yield replace(part.mesh, vertices=vertices, normals=normals)
 
 
 def _batches_of_meshes(scene: MeshScene, up: Literal["y-up", "z-up"]) -> Iterator[Batch]:
@@ -95,7 +104,22 @@ def _batches_of_meshes(scene: MeshScene, up: Literal["y-up", "z-up"]) -> Iterato
         for begin in range(0, len(rows), step):
             matrices = turn @ scene.matrix[rows[begin : begin + step]]
             vertices = mesh.vertices @ matrices[:, :, :3].transpose(0, 2, 1)
-            yield Batch(mesh, vertices + matrices[:, None, :, 3], name, material)
+            normals = _turned(mesh.normals, matrices[:, :, :3])
+            yield Batch(mesh, vertices + matrices[:, None, :, 3], name, material, normals)
+
+
+def _turned(normals: Floats | None, linear: Floats) -> Floats | None:
+    """Normals (c, 3) under maps (k, 3, 3), of unit length: what is crossed with surfaces is turned
+    by the cofactors of a map.
+    """
+    if normals is None:
+        return None
+    x, y, z = linear[:, 0], linear[:, 1], linear[:, 2]
+    cofactors = np.stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)], axis=1)
+    hand = np.sign(np.einsum("ki,ki->k", x, cofactors[:, 0]))
+    turned = normals @ (cofactors * hand[:, None, None]).transpose(0, 2, 1)
+    length = np.linalg.norm(turned, axis=2, keepdims=True)
+    return np.asarray(turned / np.where(length > 0, length, 1.0))
 
 
 def _in_order(groups: Indices) -> Indices:

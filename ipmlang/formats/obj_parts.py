@@ -68,8 +68,11 @@ class _Shared:
         """One mesh with all its faces."""
         vertex = self._vertices(mesh, decimals)
         texture = self._column("vt", self.textures, mesh.uv, UV_DIGITS)
-        normal = self._column("vn", self.normals, mesh.normals, NORMAL_DIGITS)
         flat = _flat_faces(mesh)
+        if mesh.normals is not None and not self.normals:
+            flat[:1] = False  # one face with its normals tells readers that faces have some
+        bent = np.repeat(~flat, np.diff(mesh.offsets))
+        normal = self._column("vn", self.normals, mesh.normals, NORMAL_DIGITS, bent)
         for own in np.unique(mesh.material).tolist():
             self._use(words[mesh.materials[own]] if own >= 0 else "")
             for face in np.flatnonzero(mesh.material == own).tolist():
@@ -94,13 +97,21 @@ class _Shared:
         return [numbers[texts[k]] for k in mesh.corners.tolist()]
 
     def _column(
-        self, word: str, known: dict[str, int], values: Floats | None, digits: int
+        self,
+        word: str,
+        known: dict[str, int],
+        values: Floats | None,
+        digits: int,
+        used: NDArray[np.bool_] | None = None,
     ) -> list[int] | None:
-        """The numbers of what belongs to corners, written where it is new."""
+        """The numbers of what belongs to corners, written where it is new and used."""
         if values is None:
             return None
         numbers = []
-        for text in _row_texts(values, digits):
+        for row, text in enumerate(_row_texts(values, digits)):
+            if used is not None and not used[row]:
+                numbers.append(0)
+                continue
             if text not in known:
                 known[text] = len(known) + 1
                 self.lines.append(f"{word} {text}")

@@ -16,10 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.formats.atomic import Content
+from ipmlang.formats.distinct import distinct_rows
 from ipmlang.formats.mesh_batches import Batch, batches
 from ipmlang.formats.mesh_types import UNCOLORED, Indices, Material, Mesh, MeshScene
 from ipmlang.formats.mtl import library_contents
 
+_NORMAL_DIGITS = 4
 _NO_MATERIAL = Material("default", UNCOLORED)
 
 
@@ -63,17 +65,33 @@ def _model(
         yield _rows("v", batch.vertices.reshape(-1, 3), digits)
         if batch.mesh.uv is not None:
             yield _rows("vt", batch.mesh.uv, 9)
-        yield from _faces(scene, batch, counts, names)
-        counts += _written(batch)
+        normals, chosen = _normals(batch)
+        if len(normals):
+            yield _rows("vn", normals, _NORMAL_DIGITS)
+        yield from _faces(scene, batch, chosen, counts, names)
+        counts += _written(batch, len(normals))
 
 
-def _written(batch: Batch) -> NDArray[np.int64]:
+def _normals(batch: Batch) -> tuple[NDArray[np.float64], Indices]:
+    """The different normals of a batch, and which each corner (k, c) has, -1 for none."""
+    if batch.normals is None:
+        return np.zeros((0, 3)), np.full((batch.vertices.shape[0], len(batch.mesh.corners)), -1)
+    rounded = np.round(batch.normals.reshape(-1, 3), _NORMAL_DIGITS) + 0.0
+    first, kind = distinct_rows(rounded)
+    return rounded[first], kind.reshape(batch.normals.shape[:2])
+
+
+def _written(batch: Batch, normals: int) -> NDArray[np.int64]:
     copies, size = batch.vertices.shape[:2]
-    return np.array([copies * size, 0 if batch.mesh.uv is None else len(batch.mesh.uv), 0])
+    return np.array([copies * size, 0 if batch.mesh.uv is None else len(batch.mesh.uv), normals])
 
 
 def _faces(
-    scene: MeshScene, batch: Batch, counts: NDArray[np.int64], names: Mapping[Material, str]
+    scene: MeshScene,
+    batch: Batch,
+    normals: Indices,
+    counts: NDArray[np.int64],
+    names: Mapping[Material, str],
 ) -> Iterator[str]:
     """The faces of all copies, material by material."""
     mesh = batch.mesh
@@ -88,21 +106,26 @@ def _faces(
             chosen = mesh.materials[material]
         if names:
             yield f"usemtl {names[chosen] if chosen else _NO_MATERIAL.name}\n"
-        yield _face_rows(mesh, batch.vertices.shape[0], faces, sizes[faces], counts)
+        yield _face_rows(mesh, normals, faces, sizes[faces], counts)
 
 
 def _face_rows(
-    mesh: Mesh, copies: int, faces: Indices, sizes: Indices, counts: NDArray[np.int64]
+    mesh: Mesh, normals: Indices, faces: Indices, sizes: Indices, counts: NDArray[np.int64]
 ) -> str:
+    """The lines of faces in all copies; normals (k, c): as in `_normals`."""
+    copies = len(normals)
     step = np.arange(sizes.sum()) - np.repeat(np.cumsum(sizes) - sizes, sizes)
     corner = np.repeat(mesh.offsets[faces], sizes) + step
     shift = counts[0] + 1 + len(mesh.vertices) * np.arange(copies)
     vertex = (mesh.corners[corner][None] + shift[:, None]).reshape(-1)
-    if mesh.uv is None:
-        numbers, word = vertex, " %d"
-    else:
-        texture = np.tile(corner + counts[1] + 1, copies)
-        numbers, word = np.stack([vertex, texture], axis=1).reshape(-1), " %d/%d"
+    columns, word = [vertex], " %d"
+    if mesh.uv is not None:
+        columns.append(np.tile(corner + counts[1] + 1, copies))
+        word += "/%d"
+    if mesh.normals is not None:
+        columns.append((normals[:, corner] + counts[2] + 1).reshape(-1))
+        word += "/%d" if mesh.uv is not None else "//%d"
+    numbers = vertex if len(columns) == 1 else np.stack(columns, axis=1).reshape(-1)
     templates = {size: "f" + word * size + "\n" for size in np.unique(sizes).tolist()}
     if len(templates) == 1:
         template: str = next(iter(templates.values())) * (len(sizes) * copies)
