@@ -23,7 +23,7 @@ Opcode: TypeAlias = Literal[
     "call",  # const: name of a pure function record; args
     "uniform",  # site; the 24-bit number in [0, 1) of (seed, key, site)
     "state",  # const: sx, sy, sz (the scope's extents), x, y, z (its origin), label
-    "measure",  # const: area, volume or sides of the geometry; u or v axis or step of its texture
+    "measure",  # const: area, volume or sides of the geometry; axis, step or length of u or v
     "count",  # const: repeat number; how many copies there are
     "query",  # args: labels or keys, and what goes with them; const: name of a query; site
     "self",  # a number that tells the shapes of a batch apart
@@ -33,7 +33,7 @@ Opcode: TypeAlias = Literal[
     "close",  # ]
     "repeat",  # args (count, *holes); const: repeat number; site; body
     "slab",  # args (low, size); const axis 0, 1 or 2; body: of the part of the scope between
-    "slab_along",  # args (low, size, axis): the same, the axis differs from shape to shape
+    "slab_along",  # args (low, size, axis); const u or v: the same, the axis differs; 3 is aslant
     "pieces",  # args; const (operation, number); body: "part"s, each for what its selector takes
     "piece",  # args (self, low, size); const (number, part, stretches): one of a split that snaps
     "snapped",  # args (name, within, reach); const (axis, number): such a split; body: "part"s

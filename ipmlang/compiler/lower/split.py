@@ -111,19 +111,22 @@ class _Slabs:
 
 class _Unwrapped:
     """Parts are slabs along a texture coordinate: their sizes are in images, those of slabs in
-    lengths of the axis that the coordinate runs along, perhaps backward. `whole`: of the scope.
+    lengths of the axis that the coordinate runs along, perhaps backward, or in images, too, where
+    it runs aslant. `whole`: of the shape, in images.
     """
 
     def __init__(self, splitting: Splitting, code: Code, coordinate: str) -> None:
         self._splitting = splitting
+        self._coordinate = coordinate
         self._axis = code.measure(f"{coordinate} axis")
         step = code.measure(f"{coordinate} step")
         self._per_length = code.call("abs", (step,))
         self._back = code.call("lt", (step, Known(0.0)))
-        x, y, z = (code.state(name) for name in EXTENTS.values())
-        beyond = code.call("select", (code.call("eq", (self._axis, Known(1.0))), y, z))
-        is_x = code.call("eq", (self._axis, Known(0.0)))
-        self._extent = code.call("select", (is_x, x, beyond))
+        extent = code.measure(f"{coordinate} length")
+        for number, name in enumerate(EXTENTS.values()):
+            here = code.call("eq", (self._axis, Known(float(number))))
+            extent = code.call("select", (here, code.state(name), extent))
+        self._extent = extent
         self.whole = code.call("mul", (self._extent, self._per_length))
 
     def body(
@@ -141,7 +144,8 @@ class _Unwrapped:
         length = code.call("div", (size, self._per_length))
         behind = code.call("sub", (self._extent, code.call("add", (before, length))))
         begin = code.call("select", (self._back, behind, before))
-        code.structure("slab_along", (begin, length, self._axis), None, inner, part.span)
+        args = (begin, length, self._axis)
+        code.structure("slab_along", args, self._coordinate, inner, part.span)
 
     def number(self) -> int:
         """The number of a new repeat."""

@@ -138,8 +138,8 @@ def slab_along(writer: Writer, each: ir.Instruction, scope: Scope, state: State)
     if writer.quiet:
         return
     low, size, axis = (source(scope.registers[arg]) for arg in each.args)
-    own = writer.mapping(state, [name for name in state if name in (*FRAME, *SCOPE)])
-    what = f"{axis}, {scope.count}, {low}, {size}, {own}, {scope.shown}"
+    own = writer.mapping(state, [name for name in state if name in (*FRAME, *SCOPE, UV)])
+    what = f"{each.const!r}, {axis}, {scope.count}, {low}, {size}, {own}, {scope.shown}"
     found = writer.held(f"run.slab_along({what})")
     shown, part = (writer.source.let(f"{found}[{k}]") for k in range(2))
     changed = {name: writer.source.let(f"{part}['{name}']") for name in (*MOVED, *SCOPE)}

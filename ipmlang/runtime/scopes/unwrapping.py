@@ -1,8 +1,9 @@
 """How texture coordinates run over scopes, and slabs along them.
 
 In go columns of a batch with what says how textures lie, out come for each shape the axis of its
-scope that a texture coordinate runs along, and how much it changes there a unit of length. Where
-there is no such axis an error says why. No image is known here.
+scope that a texture coordinate runs along, and how much it changes there a unit of length; one that
+runs aslant is followed as it is. Where it does not run evenly an error says why. No image is known
+here.
 """
 
 from __future__ import annotations
@@ -17,14 +18,13 @@ from ipmlang.runtime.scene import TextureMaps
 from ipmlang.runtime.scopes import boxes
 from ipmlang.runtime.scopes.boxes import SIZES, State, full
 from ipmlang.runtime.scopes.laying import FIELD
-from ipmlang.runtime.scopes.pool import NOTHING
+from ipmlang.runtime.scopes.pool import NOTHING, SNAP
 from ipmlang.runtime.scopes.scoping import Floats, Rows, Scoping
-from ipmlang.runtime.scopes.tables import distinct
+from ipmlang.runtime.scopes.tables import distinct, table
 
+ASLANT = 3  # stands for no axis of the scope
 NEAR = 1e-6  # of a change: what is less across an axis is none
-FITS = (
-    1e-5  # of the range of a mesh's texture coordinates: they are even if no corner is further off
-)
+FITS = 1e-5  # of the range of a mesh's coordinates: how far off they may be where they are even
 UPRIGHT = 0.9999  # the cosine from which on a face is straight on a side of the box
 HINT = (
     "split one side, as comp { front: … } gives it, or lay the texture onto a plane: "
@@ -37,39 +37,53 @@ class Unwrapping(Scoping):
 
     def unwrapped(self, what: str, count: int, state: Mapping[str, Column], shown: Rows) -> Column:
         """Of the coordinate u or v: `u axis` is the number of the axis of the scope that it runs
-        along, `u step` its change a unit of length there, negative where it runs back; (count,).
+        along, or 3 where it runs aslant; `u step` its change a unit of length there, negative where
+        it runs back, and 1 for what is aslant; `u length` how far that goes; (count,).
         """
         name, wanted = what.split()
         rows = np.arange(count) if shown is None else shown
         own = {field: full(value, count)[rows] for field, value in state.items()}
-        change = self._changes("uv".index(name), own)
-        size = np.stack([own[field] for field in SIZES], axis=1)
-        change = np.where(size > 0, change, 0.0)
-        change[own["geo"] == NOTHING] = (1.0, 0.0, 0.0)  # nothing is cut there
-        axis = np.argmax(np.abs(change), axis=1)
-        step = np.take_along_axis(change, axis[:, None], axis=1)[:, 0]
-        self._check_axis(name, change, step, rows)
-        found = np.zeros(count) if wanted == "axis" else np.ones(count)
-        found[rows] = axis if wanted == "axis" else step
-        return found
-
-    def _check_axis(self, name: str, change: Floats, step: Floats, rows: Rows) -> None:
-        """Stop at a coordinate that does not change, or not along one axis alone."""
-        assert rows is not None
-        still = np.flatnonzero(~(np.abs(step) > 0))
+        change = self._runs(name, own)
+        still = np.flatnonzero(~change.any(axis=1))
         if len(still):
             raise self.counted.error(
                 "no-texture-axis", f"`split {name}` stands where {name} is the same all over",
                 hint="lay a texture that changes along the shape", row=int(rows[still[0]]),
             )  # fmt: skip
-        across = np.sort(np.abs(change), axis=1)[:, 1] > NEAR * np.abs(step)
-        if across.any():
-            raise self.counted.error(
-                "no-texture-axis",
-                f"`split {name}` stands where {name} runs aslant over the scope",
-                hint="turn the scope along the texture, or the texture along the scope",
-                row=int(rows[np.argmax(across)]),
+        axis, step = _along(change)
+        found = np.zeros(count) if wanted == "axis" else np.ones(count)
+        if wanted == "length":
+            aslant = np.flatnonzero(axis == ASLANT)
+            found[rows[aslant]] = self._lengths(
+                {field: value[aslant] for field, value in own.items()}, change[aslant]
             )
+        else:
+            found[rows] = axis if wanted == "axis" else step
+        return found
+
+    def _runs(self, name: str, state: Mapping[str, Floats]) -> Floats:
+        """How u or v changes a unit of length along the axes that scopes have an extent in (n, 3);
+        along x where nothing is.
+        """
+        size = np.stack([state[field] for field in SIZES], axis=1)
+        change = np.where(size > 0, self._changes("uv".index(name), state), 0.0)
+        change[state["geo"] == NOTHING] = (1.0, 0.0, 0.0)
+        return change
+
+    def _lengths(self, state: Mapping[str, Floats], change: Floats) -> Floats:
+        """From where to where a coordinate goes that changes so (n, 3) over shapes (n,)."""
+        size = np.stack([state[field] for field in SIZES], axis=1)
+        steps = np.abs(change) * size
+        found: Floats = steps[:, 0] + steps[:, 1] + steps[:, 2]
+        others = np.flatnonzero(~self.pool.are_boxes(state["geo"]) & (state["geo"] != NOTHING))
+        if len(others):
+            kinds = table(others, len(change), state["geo"], *size.T, *change.T)
+            own = np.zeros((len(kinds.first), 1))
+            for place, (number, *values) in enumerate(kinds.rows()):
+                solid = self.pool.local(int(number), np.array(values[:3]))
+                own[place] = np.ptp(solid.vertices @ np.array(values[3:]))
+            found[others] = kinds.spread(own, np.zeros(1), len(change))[others, 0]
+        return found
 
     def _changes(self, which: int, state: Mapping[str, Floats]) -> Floats:
         """How u or v changes a unit of length along the axes of scopes (n, 3)."""
@@ -138,6 +152,7 @@ class Unwrapping(Scoping):
 
     def slab_along(
         self,
+        name: str,
         axis: Column,
         count: int,
         low: Column,
@@ -145,8 +160,8 @@ class Unwrapping(Scoping):
         state: Mapping[str, Column],
         shown: Rows,
     ) -> tuple[Rows, State]:
-        """The parts between two planes across axes that differ from row to row: which rows have
-        any, and the places, sizes and geometries of these.
+        """The parts between two planes across axes that differ from row to row, or across u or v:
+        which rows have any, and the places, sizes and geometries of these.
         """
         axes = full(axis, count)
         rows = np.arange(count) if shown is None else shown
@@ -156,19 +171,77 @@ class Unwrapping(Scoping):
         for number in distinct(axes[rows])[0].astype(np.int64).tolist():
             own = rows[axes[rows] == number]
             part = {name: full(value, count)[own] for name, value in state.items()}
-            left, begin, extent, geometry = self.slab(
-                number, len(own), full(low, count)[own], full(size, count)[own],
-                part["sx"], part["sy"], part["sz"], part["geo"], None,
+            lows, lengths = full(low, count)[own], full(size, count)[own]
+            cut = self._aslant(name, lows, lengths, part) if number == ASLANT else (
+                self._across(number, lows, lengths, part)
             )  # fmt: skip
-            step: list[Column] = [0.0, 0.0, 0.0]
-            step[number] = begin
-            part.update(boxes.moved(part, (step[0], step[1], step[2])))
-            part.update({SIZES[number]: extent, "geo": geometry})
-            for name in fields:
-                changed[name][own] = part[name]
+            left = cut[0]
+            part.update(cut[1])
+            for field in fields:
+                changed[field][own] = part[field]
             there[own if left is None else own[left]] = True
         whole = shown is None and bool(there.all())
         return None if whole else np.flatnonzero(there), dict(changed)
+
+    def _across(self, axis: int, low: Floats, size: Floats, state: State) -> tuple[Rows, State]:
+        """The parts (n,) of scopes across one of their axes."""
+        shown, begin, extent, geometry = self.slab(
+            axis, len(low), low, size, state["sx"], state["sy"], state["sz"], state["geo"], None
+        )
+        step: list[Column] = [0.0, 0.0, 0.0]
+        step[axis] = begin
+        place = boxes.moved(state, (step[0], step[1], step[2]))
+        return shown, {**place, SIZES[axis]: extent, "geo": geometry}
+
+    def _aslant(
+        self, name: str, low: Floats, size: Floats, state: Mapping[str, Floats]
+    ) -> tuple[Rows, State]:
+        """The parts (n,) of scopes between two values of a coordinate that runs aslant, counted
+        from where it is least. Each has the box of its geometry.
+        """
+        change = self._runs(name, state)
+        there = np.flatnonzero(size > SNAP * self._lengths(state, change))
+        self.missed(len(size) - len(there))
+        sizes = [state[field] for field in SIZES]
+        kinds = table(there, len(size), state["geo"], *sizes, *change.T, low, size)
+        found = np.zeros((len(kinds.first), 7))
+        for place, (number, *values) in enumerate(kinds.rows()):
+            found[place] = self._between(int(number), np.array(values))
+        own = kinds.spread(found, np.zeros(7), len(size))
+        moved = boxes.moved(dict(state), (own[:, 0], own[:, 1], own[:, 2]))
+        moved.update(zip((*SIZES, "geo"), own[:, 3:].T, strict=True))
+        return np.flatnonzero(own[:, 6] != NOTHING), moved
+
+    def _between(self, number: int, values: Floats) -> Floats:
+        """Corner, size and geometry (7,) of the part of a geometry between two values."""
+
+        def make() -> tuple[int, Floats, Floats]:
+            from ipmlang.geometry.slicing import sliced
+
+            solid = self.pool.local(number, values[:3])
+            steep = float(np.sqrt(values[3:6] @ values[3:6]))
+            x, y, z = (values[3:6] / steep).tolist()
+            heights = solid.vertices @ np.array((x, y, z))
+            low = float(values[6]) / steep
+            planes = [low, low + float(values[7]) / steep]
+            (part,) = sliced(solid, heights - heights.min(), planes, (x, y, z))
+            if part is None or not len(part):
+                return NOTHING, np.zeros(3), np.zeros(3)
+            return self.pool.add(part)
+
+        made = self.pool.derived(("aslant", number, values.tobytes()), lambda: self._tried(make))
+        assert isinstance(made, tuple)
+        geometry, corner, size = made
+        return np.array([*corner, *size, geometry])
+
+
+def _along(change: Floats) -> tuple[Floats, Floats]:
+    """The axis (n,) that a coordinate runs along which changes so (n, 3), and its change there."""
+    size = np.abs(change)
+    axis = np.argmax(size, axis=1)
+    step = np.take_along_axis(change, axis[:, None], axis=1)[:, 0]
+    aslant = np.sort(size, axis=1)[:, 1] > NEAR * np.abs(step)
+    return np.where(aslant, ASLANT, axis).astype(np.float64), np.where(aslant, 1.0, step)
 
 
 def _projected(state: Mapping[str, Floats], maps: TextureMaps, of: np.ndarray) -> Floats:
