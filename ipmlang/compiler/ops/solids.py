@@ -101,18 +101,19 @@ TAKING_APART = (
             "so that 1 is one image of `projectUV` or `tileUV`, and without these a whole side, or "
             "what a mesh brings. They must run evenly over the shape, as they do over a side that "
             "`comp` gave, but over all sides of a solid together only in a projection. Where they "
-            "run aslant to the scope, pieces take the boxes of what they are. With `snap:` the lengths are shared out as always, and then each cut "
-            "moves to the nearest of the lines that `snap` made under that name in phases before, "
-            "across the same direction, wherever they were made; with `within` a label, of those "
-            "alone that descend from the same shape of that label as this one. Floating and "
-            "relative pieces on either side of a cut give way; absolute ones keep their size, so "
-            "that they and the cuts around them move together, or not at all where nothing on one "
-            "of their sides gives way: of the moves that bring one of these cuts to a line next to "
-            "it, by the one that brings the most of them to lines, then the shortest. Of moves "
-            "that are equally long the one toward the start counts. A cut moves by less than half "
-            "of the piece that it moves into, and by no more than `reach`: so pieces keep their "
-            "order and none vanishes. Copies of repeats snap like other pieces, and the ends of "
-            "the shape never move. An empty name snaps to nothing.",
+            "run aslant to the scope, pieces take the boxes of what they are. With `snap:` the "
+            "lengths are shared out as always, and then each cut moves to the nearest of the lines "
+            "that `snap` made under that name in phases before, across the same direction, "
+            "wherever they were made; with `within` a label, of those alone that descend from the "
+            "same shape of that label as this one. Floating and relative pieces on either side of "
+            "a cut give way; absolute ones keep their size, so that they and the cuts around them "
+            "move together, or not at all where nothing on one of their sides gives way: of the "
+            "moves that bring one of these cuts to a line next to it, by the one that brings the "
+            "most of them to lines, then the shortest. Of moves that are equally long the one "
+            "toward the start counts. A cut moves by less than half of the piece that it moves "
+            "into, and by no more than `reach`: so pieces keep their order and none vanishes. "
+            "Copies of repeats snap like other pieces, and the ends of the shape never move. An "
+            "empty name snaps to nothing.",
             ((), (Param("snap", "string", named=True), number("within", "string"),
                   number("reach"))),
             ("split y { 4.4: Ground | { ~3.2: Floor }* | 0.6: Cornice }",
