@@ -33,6 +33,10 @@ Bay   --> split x { ~1: Wall | 1.2: Win | ~1: Wall }
 Win   --> split y { 0.8: Sill | ~1: Pane | 0.3: Lintel }
 start Lot on box(1640, 930, 0)
 """
+SNAPPED = FACADE.replace("4: Floor | { ~3: Floor }*", "4: Piers | { ~3: phase(2) Floor }*").replace(
+    "Floor --> split x {",
+    'Piers --> split x { { ~4.1: snap("pier", x) Pier }* }\nFloor --> split x(snap: "pier") {',
+)
 HOUSE = """ipm 1
 Lot    --> extrude(10) comp { side: Facade | top: Roof }
 Facade --> split y { { ~3: Floor }* }
@@ -66,6 +70,7 @@ TREE = (
 )
 TASKS = {
     "a facade of a million terminals": FACADE,
+    "a facade of a million terminals that snaps": SNAPPED,
     "a thousand houses": HOUSES,
     "a town of 2,000 lots": TOWN,
 }
