@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from typing import TypeGuard
+from typing import TypeAlias, TypeGuard
 
 import numpy as np
 
@@ -17,8 +17,8 @@ from ipmlang.inverse.frames import Floats, Frames, Integers
 from ipmlang.inverse.split.cells import Span, spans
 from ipmlang.inverse.split.changing import moved, named_symbols
 from ipmlang.inverse.split.contents import Contents, same, sorted_rows
-from ipmlang.inverse.split.cost import ASSET, item_tokens, rule_tokens
-from ipmlang.inverse.split.guillotine import Groups, runs, side_by_side
+from ipmlang.inverse.split.cost import ASSET, item_tokens, placement_tokens, rule_tokens
+from ipmlang.inverse.split.guillotine import Groups, runs, side_by_side, ways
 from ipmlang.inverse.split.scheme import (
     Array,
     Cell,
@@ -37,7 +37,10 @@ from ipmlang.inverse.split.subdivisions import lattices
 BONUS = 8  # tokens that a split may cost more where cells repeat, and has to save where none do
 MOST = 2500  # contents weighed in one rule, and in all
 MOST_BARE = 8  # cells of a split of which none repeat
-EXACT = 0.05  # of what does not count: as near a symbol has to be to stand in a cell as it is
+EXACT = 0.5  # of what does not count: as near a symbol has to be to stand in a cell as it is
+
+
+Home: TypeAlias = tuple[int, tuple[float, float, float]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,6 +69,7 @@ class Building:
     items: tuple[Place | Array | Ring, ...] = ()
     free: frozenset[int] = frozenset()
     _cost: list[int] = field(default_factory=list)
+    _homes: list[dict[Home, int]] = field(default_factory=list)
     _below: list[frozenset[int]] = field(default_factory=list)
     _known: dict[bytes, list[tuple[Contents, Floats, int]]] = field(default_factory=dict)
     _wraps: dict[tuple[int | None, int, int], list[tuple[int, float, Floats]]] = field(
@@ -81,6 +85,7 @@ class Building:
         self.made.append(symbol)
         number = len(self.made) - 1
         self._cost.append(self._own_cost(symbol))
+        self._homes.append(dict(self._at_home(symbol)))
         self._below.append(frozenset({number}).union(*(self._below[each] for each in named)))
         return number
 
@@ -90,8 +95,26 @@ class Building:
         return rule_tokens(symbol, self.small) - sum(map(bonus, symbol.items))
 
     def cost(self, number: int) -> int:
-        """Of a symbol and all that it needs and that is not free."""
-        return sum(self._cost[each] for each in self._below[number] - self.free)
+        """Of a symbol and all that it needs and that is not free, where each terminal is at home in
+        the place where most of its copies stand in their rules.
+        """
+        needed = self._below[number] - self.free
+        saved: dict[int, dict[Home, int]] = {}
+        for each in needed:
+            for home, tokens in self._homes[each].items():
+                own = saved.setdefault(home[0], {})
+                own[home] = own.get(home, 0) + tokens
+        at_home = sum(max(own.values()) for own in saved.values())
+        return sum(self._cost[each] for each in needed) - at_home
+
+    def _at_home(self, symbol: Symbol) -> Iterator[tuple[Home, int]]:
+        """Where terminals stand alone in a rule, and the tokens which that takes."""
+        for item in symbol.items if isinstance(symbol, Rule) else ():
+            if isinstance(item, Place) and len(item.frames) == 1:
+                tokens = int(placement_tokens(item.frames, self.small)[0]) - 1
+                if tokens and isinstance(self.made[item.symbol], Terminal):
+                    x, y, z = np.round(item.frames.position[0] / (16 * self.small)).tolist()
+                    yield (item.symbol, (x, y, z)), tokens
 
     def below(self, number: int) -> frozenset[int]:
         """All symbols that a symbol needs, with itself."""
@@ -175,9 +198,11 @@ class Building:
                 chosen = runs(inside, groups, axis, self.small)
                 if all(run.count == 1 for run in chosen) and (bare or len(chosen) > MOST_BARE):
                     continue
-                laid = spans(groups, chosen, float(size[axis]), self.small)
-                if laid is not None:
-                    found.append(self._split(_Cutting(inside, size, axis, groups, bare), laid))
+                cutting = _Cutting(inside, size, axis, groups, bare)
+                for each in ways(chosen):
+                    laid = spans(groups, each, float(size[axis]), self.small)
+                    if laid is not None:
+                        found.append(self._split(cutting, laid))
         return found
 
     def _split(self, cutting: _Cutting, laid: list[Span]) -> int:

@@ -20,13 +20,14 @@ from ipmlang.inverse.split.cost import scheme_tokens
 from ipmlang.inverse.split.expansion import expand
 from ipmlang.inverse.split.following import following
 from ipmlang.inverse.split.guillotine import runs, side_by_side
+from ipmlang.inverse.split.homes import at_home
 from ipmlang.inverse.split.matching import matched
 from ipmlang.inverse.split.scheme import Array, Item, Place, Ring, Rule, Scheme, Symbol, Terminal
 
 FOLLOWING = 8  # share of all tokens that may be spent on walls which follow their scope
 DEEPEST = 2  # times that the rules within a rule are opened before it is cut
 MOST = 2500  # rows of a rule that is cut
-NAMES = {0: "Bay", 1: "Bay", 2: "Floor"}  # of cells that repeat along an axis, for a person
+NAMES = {0: "Bay", 1: "Row", 2: "Floor"}  # of cells that repeat along an axis, for a person
 
 
 def as_splits(scheme: Scheme, small: float) -> Scheme:
@@ -41,12 +42,13 @@ def as_splits(scheme: Scheme, small: float) -> Scheme:
     if saved <= 0:
         return scheme
     found = following(found, small, saved + scheme_tokens(found, small) // FOLLOWING)
-    return found if matched(expand(found), expand(scheme), 4 * small) else scheme
+    return found if matched(expand(found), expand(scheme), 5 * small) else scheme
 
 
 def _score(scheme: Scheme, small: float) -> int:
     rules = [symbol for symbol in scheme.symbols if isinstance(symbol, Rule)]
-    return scheme_tokens(scheme, small) - sum(bonus(item) for rule in rules for item in rule.items)
+    printed, _ = at_home(scheme, small)
+    return scheme_tokens(printed, small) - sum(bonus(item) for rule in rules for item in rule.items)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -109,6 +111,7 @@ class _Rewriting:
             yield _Way(self._building.build(inside, size), np.zeros(3))
             room = self._room(inside, size)
             if room.any():
+                yield _Way(self._building.build(inside, size + room), np.zeros(3))
                 wide = inside.moved(room / 2)
                 yield _Way(self._building.build(wide, size + room), -room / 2)
 

@@ -93,6 +93,20 @@ def runs(inside: Contents, groups: Groups, axis: int, small: float) -> list[Run]
     return _without_chance(sorted(found, key=lambda run: run.first), label, small)
 
 
+def ways(found: list[Run]) -> list[list[Run]]:
+    """The runs as they are, and with what stands alone between them together in one cell: a ground
+    floor, a roof.
+    """
+    together: list[Run] = []
+    for run in found:
+        before = together[-1] if together else None
+        if before is not None and before.count == run.count == 1:
+            together[-1] = Run(before.first, before.period + run.period, 1)
+        else:
+            together.append(run)
+    return [found] if len(together) in (1, len(found)) else [found, together]
+
+
 def _without_chance(found: list[Run], label: Integers, small: float) -> list[Run]:
     """Two of a kind always have one step: they are no run where the same stands at another."""
     steps = np.full(len(label), np.nan)

@@ -13,13 +13,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipmlang.compiler import ast
+from ipmlang.inverse.split.cost import scheme_tokens
 from ipmlang.inverse.split.following import FEWEST
 from ipmlang.inverse.split.items import Wording
 from ipmlang.inverse.split.scheme import Array, Cell, Octant, Place, Ring, Rule, Scheme, Split
 from ipmlang.inverse.split.wording import Vector, plus, times
 
 MOST = 4  # attributes of one file
-WORDS = ("bays", "bays", "floors")
+TOKENS = 50  # of a grammar for each attribute behind the first
+WORDS = ("bays", "rows", "floors")
 AXES = ("x", "y", "z")
 
 
@@ -40,14 +42,16 @@ class Counted:
 
 
 def counted(scheme: Scheme) -> list[Counted]:
-    """The counts that the sizes of free scopes say, those of most cells first, one an axis."""
+    """The counts that the sizes of free scopes say, one an axis: floors first, then those of most
+    cells.
+    """
     found: dict[tuple[int, int], Counted] = {}
     for root in sorted(_free(scheme)):
         for each in _within(scheme, root):
             known = found.get((root, each.axis))
             if known is None or each.drawn > known.drawn:
                 found[root, each.axis] = each
-    return sorted(found.values(), key=lambda each: (-each.drawn, each.root, each.axis))
+    return sorted(found.values(), key=lambda each: (each.axis < 2, -each.drawn, each.root))
 
 
 def _free(scheme: Scheme) -> set[int]:
@@ -105,10 +109,11 @@ def lifted(wording: Wording) -> Lifted:
     attributes: list[ast.Attr] = []
     sizes: dict[int, Vector] = {}
     named: list[tuple[Counted, str]] = []
+    most = min(scheme_tokens(wording.scheme, wording.precision.length) // TOKENS, MOST)
     for each in counted(wording.scheme):
         name = next((name for other, name in named if _one(each, other, wording)), None)
         if name is None:
-            if len(attributes) == MOST:
+            if len(attributes) >= max(most, 1):
                 continue
             name = wording.given.give(WORDS[each.axis])
             attributes.append(_attribute(wording, each, name))
