@@ -174,3 +174,11 @@ def test_limits_hold_in_strings() -> None:
     ):
         with pytest.raises(ipmlang.IpmError, match=f"limit.*{what}"):
             run(f"limit {limit}\n{text}")
+
+
+@pytest.mark.parametrize("rule", ["A(n) --> F(1 / (n - 1))", "A(n) : n < 1 --> F"])
+def test_an_error_in_a_string_tells_the_way_to_it(rule: str) -> None:
+    text = f"Lot --> split x {{ {{ 1: House }}* }}\nHouse --> [P]\nP --> A(1) F\n{rule}\n"
+    with pytest.raises(ipmlang.IpmError) as caught:
+        run(text + "start Lot on box(3, 1, 0)\n")
+    assert caught.value.diagnostics[0].trail == "start > Lot > House[0] > P > A"

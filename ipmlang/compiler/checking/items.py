@@ -109,7 +109,7 @@ def _rule(scope: Scope, rule: ast.Rule) -> None:
     head = rule.head
     contexts = [*_parameters(head.left), *head.parameters, *_parameters(head.right)]
     _bind(scope, contexts)
-    if head.name == "nil":
+    if head.name.rpartition(".")[2] == "nil":
         scope.findings.trouble(head.span, "reserved-name", "`nil` makes nothing and has no rules")
     if rule.guard is not None and not isinstance(rule.guard, ast.Otherwise):
         want(scope, rule.guard, "bool", "a guard")

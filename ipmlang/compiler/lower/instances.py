@@ -39,7 +39,8 @@ def units_of(loaded: Loaded, style: str | None) -> list[Unit]:
     if style is not None and style not in known:
         message = f"`{loaded.main.source.path}` has no style `{style}`"
         close = nearest(style, known)
-        hint = f"did you mean `{close[0]}`?" if close else f"its styles: {', '.join(known) or '-'}"
+        hint = f"its styles: {', '.join(known)}" if known else "it has none"
+        hint = f"did you mean `{close[0]}`?" if close else hint
         raise fail("unknown-style", message, hint=hint)
     instances = _Instances(loaded)
     instances.of(loaded.main, style, (), "", "")

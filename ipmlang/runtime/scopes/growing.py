@@ -7,6 +7,7 @@ the shape itself follows it, under its own key. What is drawn has the other fiel
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -15,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.compiler import ir
+from ipmlang.compiler.diagnostics import IpmError
 from ipmlang.compiler.ops import FUNCTIONS
 from ipmlang.runtime.ancestry import ModuleError
 from ipmlang.runtime.assemble import TEXT_FIELDS, Rows
@@ -70,9 +72,28 @@ def _grow(run: Frontier, symbol: int, generation: int, shapes: Shapes, mirrored:
         rows, polygons, at = drawn_along(program, acts, turtle)
     except ModuleError as found:
         raise run.counted.traced(found.error, int(shapes.numbers[0])) from found
+    except IpmError as found:
+        raise _traced(run, shapes, found) from found
     run.generations = max(run.generations, generation + string.steps)
     run.counted.strung += budget.ruled - 1
     _drawn(run, shapes, state, rows, polygons, _owners(acts, at))
+
+
+BRANCH = re.compile(r"start > \S+\[(\d+)\]")
+
+
+def _traced(run: Frontier, shapes: Shapes, error: IpmError) -> IpmError:
+    """An error within a string, whose way begins with a branch: that of a shape."""
+    found = BRANCH.match(error.diagnostics[0].trail or "")
+    if found is None or run.counted.trail is None:
+        return error
+    before = run.counted.trail.to(int(shapes.numbers[int(found[1])]))
+    return IpmError(
+        [
+            replace(each, trail=before + (each.trail or "")[found.end() :])
+            for each in error.diagnostics
+        ]
+    )
 
 
 def _with_first(program: ir.Program, fields: Sequence[str], mirrored: bool) -> ir.Program:
