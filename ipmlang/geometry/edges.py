@@ -6,16 +6,19 @@ words of the faces that meet there. Roofs name theirs: ridge, hip, valley, eave.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ipmlang.geometry.faces import LEVEL, LOOKS, UPRIGHT, face_words
-from ipmlang.geometry.pieces import Piece
+from ipmlang.geometry.pieces import Piece, numbered_rings
 from ipmlang.geometry.sharing import following
 from ipmlang.geometry.solid import (
     Floats,
     Indices,
     Solid,
     face_of_corners,
+    joined,
     normals,
     solid_of,
 )
@@ -40,31 +43,40 @@ def edges(solid: Solid) -> list[Piece]:
     >>> len(pieces), sum("vertical" in piece.words for piece in pieces)
     (12, 4)
     """
-    if not len(solid):
-        return []
-    first, second = _pairs(solid)
-    after = following(solid)
-    start = solid.vertices[solid.corners[first]]
-    along = solid.vertices[solid.corners[after[first]]] - start
+    return edges_of([solid])[0]
+
+
+def edges_of(solids: Sequence[Solid]) -> list[list[Piece]]:
+    """What `edges` gives of each of many solids, measured all together."""
+    found: list[list[Piece]] = [[] for _ in solids]
+    whole = joined(solids)
+    if not len(whole):
+        return found
+    first, second = _pairs(whole)
+    after = following(whole)
+    ends = whole.vertices[whole.corners[np.stack([first, after[first]], axis=1)]]
+    along = ends[:, 1] - ends[:, 0]
     length = np.sqrt(np.einsum("ij,ij->i", along, along))
     x = along / np.where(length > 0, length, 1.0)[:, None]
-    face = face_of_corners(solid)
+    face = face_of_corners(whole)
     one, other = face[first], face[second]
-    normal = normals(solid)
+    normal = normals(whole)
     axes = _axes(x, normal[one], normal[other])
     bend = np.einsum("ij,ij->i", np.cross(normal[one], normal[other]), x)
-    roof = _roof_words(solid, start[:, 2] + along[:, 2] / 2, x, bend, one, other)
-    words = face_words(solid)
+    owner = np.repeat(np.arange(len(solids)), [len(each) for each in solids])
+    roof = _roof_words(whole, ends[:, 0, 2] + along[:, 2] / 2, x, bend, (one, other), owner)
+    words = face_words(whole)
     lean = np.abs(x[:, 2])
-    pieces = []
-    for n in np.flatnonzero(length > 0).tolist():
-        f, g = int(one[n]), int(other[n])
-        tags = solid.tags[f] | solid.tags[g]
-        kind = "vertical" if lean[n] > LEVEL else "horizontal" if lean[n] < UPRIGHT else "aslant"
-        looks = (words[f] | words[g]) & _LOOKS
-        line = solid_of([start[n], start[n] + along[n]], [[[0, 1]]], [tags])
-        pieces.append(Piece(looks | tags | roof[n] | {"all", kind}, line, axes[n]))
-    return pieces
+    kinds = np.where(lean > LEVEL, "vertical", np.where(lean < UPRIGHT, "horizontal", "aslant"))
+    numbering = numbered_rings((2,))
+    rows = zip(one.tolist(), other.tolist(), kinds.tolist(), roof, length.tolist(), strict=True)
+    for n, (f, g, kind, names, long) in enumerate(rows):
+        if long > 0:
+            tags = whole.tags[f] | whole.tags[g]
+            own = ((words[f] | words[g]) & _LOOKS) | tags | names | {"all", kind}
+            line = Solid(ends[n], *numbering, (tags,))
+            found[owner[f]].append(Piece(own, line, axes[n]))
+    return found
 
 
 def vertices(solid: Solid) -> list[Piece]:
@@ -115,19 +127,28 @@ def _axes(x: Floats, one: Floats, other: Floats) -> Floats:
 
 
 def _roof_words(
-    solid: Solid, middle: Floats, x: Floats, bend: Floats, one: Indices, other: Indices
-) -> list[set[str]]:
-    """What a roof calls each edge, if it is a roof's."""
-    slope = np.array([SLOPE in tags for tags in solid.tags])
+    whole: Solid,
+    middle: Floats,
+    x: Floats,
+    bend: Floats,
+    faces: tuple[Indices, Indices],
+    owner: Indices,
+) -> list[frozenset[str]]:
+    """What a roof calls each edge, if it is a roof's; `owner`: the solid of each face."""
+    one, other = faces
+    slope = np.array([SLOPE in tags for tags in whole.tags])
     if not slope.any():
-        return [set()] * len(x)
-    starts = solid.rings[solid.faces[:-1]]
-    lowest = np.minimum.reduceat(solid.vertices[solid.corners, 2], starts)
-    near = 1e-6 * float(np.ptp(solid.vertices[:, 2]))
+        return [frozenset()] * len(x)
+    starts = whole.rings[whole.faces[:-1]]
+    z = whole.vertices[whole.corners, 2]
+    lowest, highest = np.minimum.reduceat(z, starts), np.maximum.reduceat(z, starts)
+    begins = np.flatnonzero(np.diff(owner, prepend=-1))
+    high, low = np.maximum.reduceat(highest, begins), np.minimum.reduceat(lowest, begins)
+    near = 1e-6 * np.repeat(high - low, np.diff(begins, append=len(owner)))
     both = slope[one] & slope[other] & (one != other)
     level = np.abs(x[:, 2]) < UPRIGHT
-    base_one = slope[one] & (middle <= lowest[one] + near)
-    base_other = slope[other] & (middle <= lowest[other] + near)
+    base_one = slope[one] & (middle <= (lowest + near)[one])
+    base_other = slope[other] & (middle <= (lowest + near)[other])
     outward, inward = bend > _BEND, bend < -_BEND
     marks = {
         "ridge": both & level & outward & ~base_one & ~base_other,
@@ -135,4 +156,7 @@ def _roof_words(
         "valley": both & inward,
         "eave": level & ~both & (base_one | base_other),
     }
-    return [{word for word, mark in marks.items() if mark[n]} for n in range(len(x))]
+    # an edge has one name at most: a number for each
+    numbers = np.select(list(marks.values()), range(1, 5), 0).tolist()
+    names = [frozenset[str](), *(frozenset({word}) for word in marks)]
+    return [names[number] for number in numbers]

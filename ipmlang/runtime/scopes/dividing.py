@@ -161,9 +161,10 @@ def _comps(
 ) -> Sequence[list[Piece] | None]:
     from ipmlang.geometry import parts
 
-    if any(of not in ((), (None,), ("faces",)) for of in map(tuple, values)):
-        return [None] * len(solids)
-    return parts.faces_of(solids)
+    kinds = {each[0] if each else None for each in values}
+    if kinds <= {None, "faces"}:
+        return parts.faces_of(solids)
+    return parts.edges_of(solids) if kinds == {"edges"} else [None] * len(solids)
 
 
 def _setbacks(
