@@ -1,4 +1,5 @@
-"""What shapes ask about each other: occlusion in two passes, and totals of earlier phases.
+"""What shapes ask about each other: occlusion in two passes, totals and lines of earlier phases.
 
-`asking` is what bodies and guards call; `occluders` and `totals` answer. Nothing here makes shapes.
+`asking` and `snapping` are what bodies and guards call; `occluders`, `totals` and `lines` answer.
+Nothing here makes shapes.
 """
