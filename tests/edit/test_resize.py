@@ -25,7 +25,7 @@ PART = {
     "wall": ("Window", 3), "floors": ("Bay", 2), "round": ("Drum", 1), "bricks": ("Course", 2),
     "court": ("Bay", 2),
 }  # fmt: skip
-FACTORS = (0.3, 0.7, 1.5, 4.0)
+FACTORS = (0.3, 1.5, 4.0)
 AXES = ("x", "y", "z")
 
 
