@@ -39,7 +39,8 @@ def roof_hip(polygon: Solid, degrees: float | Sequence[float], overhang: float =
 
     Over a rectangle a x b (a >= b) the ridge is a - b long and b / 2 * tan(degrees) high. Eaves
     are level: with unequal angles the flattest slope hangs over by `overhang`, others by less.
-    Raises GeometryError for angles not between 0 and 90 and for what is no polygon.
+    Raises GeometryError for angles not between 0 and 90, for what is no polygon, and for one of
+    more corners than `skeleton.MOST`.
 
     >>> from ipmlang.geometry.solid import polygon, volume
     >>> roof = roof_hip(polygon([(0, 0), (4, 0), (4, 2), (0, 2)]), 45)

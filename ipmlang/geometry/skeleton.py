@@ -125,7 +125,7 @@ def _problem(rings: list[Ring], speeds: Sequence[float]) -> _Problem:
     corners = sum(len(ring.edges) for ring in rings)
     if corners > MOST:
         raise GeometryError(
-            f"the polygon has {corners:,} corners, and its skeleton is found of {MOST:,} at most",
+            f"slopes can rise from up to {MOST:,} corners, and the polygon has {corners:,} corners",
             "draw round edges with fewer corners, or cut the polygon into parts",
         )
     if not all(0 <= speed < inf for speed in speeds):
