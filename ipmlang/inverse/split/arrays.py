@@ -46,7 +46,9 @@ def lattices(points: Floats, error: float, each: float) -> Iterator[Lattice]:
         return
     along = directions(points, error)
     for size in (1, 2, 3):
-        for basis in combinations(range(len(along)), size):
+        if len(points) < (3, 4, 8)[size - 1]:
+            break
+        for basis in combinations(range(len(along) if size < 3 else min(len(along), 4)), size):
             full = _completed(along[list(basis)])
             if full is not None:
                 yield from _lattices(points, full, size, error, each)

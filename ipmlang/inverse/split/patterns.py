@@ -26,14 +26,19 @@ LEAST = 2.0  # tokens that a pattern has to save
 MOST = 40  # patterns of one symbol in one body
 CLOSELY = 12  # patterns whose gain is worked out exactly
 FEWEST = 3  # copies that may be a pattern
+MOST_TURNED = 400  # copies among which rings are looked for
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Arranged:
-    """Items that place a symbol, and their tokens."""
+    """Items that place a symbol, and their tokens; regular: rows that stand in patterns, which
+    take `patterns` of the tokens.
+    """
 
     items: tuple[Item, ...]
     tokens: int
+    regular: Integers
+    patterns: int
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,23 +79,28 @@ def _arranged(shape: Figure, frames: Frames, symbol: int, limits: Limits) -> Arr
     alone = placement_tokens(plainest, limits.small)
     every = np.arange(len(frames))
     if len(frames) < FEWEST:
-        return Arranged((Place(symbol, plainest),), int(alone.sum()))
+        return Arranged((Place(symbol, plainest),), int(alone.sum()), every[:0], 0)
     listed = listing(plainest, alone, limits.small)
     groups = _turned_alike(shape, plainest, limits)
     left = np.ones(len(frames), np.bool_)
     items: list[Item] = []
+    patterns = 0
     pool = _found(shape, plainest, groups, alone, left, symbol, limits)
     while pool and len(items) < MOST:
         best = _best(pool, listed, every[left])
         if best is None:
             break
         items.append(best.item)
+        patterns += best.tokens
         left[best.rows] = False
-        again = [found for found in pool if left[found.rows].all()]
-        pool = again or _found(shape, plainest, groups, alone, left, symbol, limits)
+        touched = [(rows, own) for rows, own in groups if np.intersect1d(rows, best.rows).size]
+        pool = [found for found in pool if left[found.rows].all()]
+        if not pool:
+            pool = _found(shape, plainest, touched, alone, left, symbol, limits)
+    singly = list_tokens(listed, every[left])
     if left.any():
         items.append(Place(symbol, plainest[every[left]]))
-    return Arranged(tuple(items), sum(item_tokens(item, limits.small) for item in items))
+    return Arranged(tuple(items), patterns + singly, every[~left], patterns)
 
 
 def _best(pool: list[Found], listed: Listing, rows: Integers) -> Found | None:
@@ -138,6 +148,8 @@ def _found(
         kept = left[rows]
         pool += _arrays(shape, own[kept], rows[kept], alone, symbol, limits)
     rest = np.nonzero(left)[0]
+    if len(rest) > MOST_TURNED:
+        return pool
     for rows, ring in rings(shape, frames[rest], symbol, limits.error):
         tokens = item_tokens(ring, limits.small)
         gain = float(alone[rest[rows]].sum()) - tokens

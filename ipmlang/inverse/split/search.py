@@ -12,19 +12,28 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipmlang.inverse.frames import Floats, Integers
+from ipmlang.inverse.frames import Floats
 from ipmlang.inverse.parts.observation import Parts
 from ipmlang.inverse.split.assembly import assembled, errors, flat
 from ipmlang.inverse.split.cost import HEAD, scheme_tokens
-from ipmlang.inverse.split.drafts import Draft, Limits, Motif, first_draft, with_motif
+from ipmlang.inverse.split.drafts import (
+    Draft,
+    Limits,
+    Motif,
+    first_draft,
+    motif_box,
+    with_motif,
+)
 from ipmlang.inverse.split.fields import Field, field_of
+from ipmlang.inverse.split.figures import figure
 from ipmlang.inverse.split.growth import Grown, grow
 from ipmlang.inverse.split.laying import laid, symmetry_of
-from ipmlang.inverse.split.patterns import Memory, arranged
-from ipmlang.inverse.split.pruning import pruned, tokens_of
+from ipmlang.inverse.split.patterns import Memory
+from ipmlang.inverse.split.pricing import Priced, gain_of, priced
+from ipmlang.inverse.split.pruning import pruned
 from ipmlang.inverse.split.scheme import Scheme
 from ipmlang.inverse.split.seeds import Edges, edges_of, labels_by_promise, seeds
-from ipmlang.inverse.split.snapping import Flags, label_rows, members
+from ipmlang.inverse.split.snapping import Flags
 from ipmlang.inverse.split.wholes import wholes
 
 PROVEN = 1e-6  # share of the diagonal that anything may be off
@@ -34,6 +43,7 @@ NOTHING = 0.1  # of that, what is printed as nothing
 LEAST = 2.0  # tokens that a rule has to save
 TRIED = 10  # candidates of a round that are priced exactly
 ROUNDS = 60
+SEEDS = 200  # kinds of pairs that are grown in a round
 WORK = 30_000_000  # lookups
 
 
@@ -95,12 +105,13 @@ def _improved(draft: Draft, limits: Limits, memory: Memory, work: int) -> tuple[
     if work <= 0 or len(draft) < 4:
         return None, 0
     field = field_of(draft)
-    share = shares(draft, limits, memory)
+    base = priced(draft, limits, memory)
+    share = base.shares()
     grown, used = _grown(field, share, limits, work)
-    better = _taken(draft, _offers(field, grown, share, limits), limits, memory)
+    better = _taken(base, _offers(field, grown, share, limits), limits, memory)
     if better is None:
         grown = [each for each in wholes(field, limits.error) if len(each.rows)]
-        better = _taken(draft, _offers(field, grown, share, limits), limits, memory)
+        better = _taken(base, _offers(field, grown, share, limits), limits, memory)
     return better, used + len(draft)
 
 
@@ -108,10 +119,13 @@ def _grown(field: Field, share: Floats, limits: Limits, work: int) -> tuple[list
     """Motifs from the seeds of this field, those that others contain just as often left out."""
     edges = edges_of(field, limits.error)
     covered = np.zeros(len(edges.pairs), np.bool_)
-    found, used = [], 0
+    found, used, tried = [], 0, 0
     for chosen in labels_by_promise(edges):
         if covered[chosen].all():
             continue
+        tried += 1
+        if tried > SEEDS:
+            break
         for seed in seeds(field, edges, chosen, limits.error):
             chain, took = grow(field, seed, limits.error)
             used += took + len(seed.of)
@@ -132,22 +146,6 @@ def _cover(edges: Edges, grown: Grown, covered: Flags) -> None:
         home[own] = index
     inside = home[edges.pairs]
     covered |= (inside[:, 0] >= 0) & (inside[:, 0] == inside[:, 1])
-
-
-def shares(draft: Draft, limits: Limits, memory: Memory) -> Floats:
-    """(n,) tokens that each row takes on average, where its symbol's patterns are used."""
-    share = np.zeros(len(draft))
-    for rows in _lists(draft):
-        symbol = int(draft.symbol[rows[0]])
-        shape = draft.figures[symbol]
-        tokens = arranged(shape, draft.frames[rows], symbol, limits, memory).tokens
-        share[rows] = tokens / len(rows)
-    return share
-
-
-def _lists(draft: Draft) -> list[Integers]:
-    label, count = label_rows(np.stack([draft.body, draft.symbol], axis=1))
-    return members(label, len(count))
 
 
 def _offers(field: Field, grown: list[Grown], share: Floats, limits: Limits) -> list[Offer]:
@@ -171,31 +169,35 @@ def _promise(share: Floats) -> float:
     return float(share.sum() - share.sum(axis=1).min() - share.sum(axis=0).min()) - HEAD
 
 
-def _taken(draft: Draft, offers: list[Offer], limits: Limits, memory: Memory) -> Draft | None:
+def _taken(base: Priced, offers: list[Offer], limits: Limits, memory: Memory) -> Draft | None:
     """The draft with the best of the offers, and all others that still pay then."""
-    now = tokens_of(draft, limits, memory)
-    priced = []
+    good = []
     for offer in offers[:TRIED]:
-        other = with_motif(draft, offer.motif, symmetry_of(draft, offer.motif, limits))
-        gain = now - tokens_of(other, limits, memory)
+        gain = _gain(base, offer.motif, limits, memory)
         if gain >= LEAST:
-            priced.append(Offer(gain, offer.motif))
-    priced.sort(key=lambda offer: -offer.gain)
-    where = np.arange(len(draft))
+            good.append(Offer(gain, offer.motif))
+    good.sort(key=lambda offer: -offer.gain)
+    where = np.arange(len(base.draft))
     result: Draft | None = None
-    for offer in priced:
+    for offer in good:
         rows = where[offer.motif.rows]
         if (rows < 0).any():
             continue
-        base = draft if result is None else result
         motif = Motif(rows, offer.motif.places, offer.motif.inside)
-        other = with_motif(base, motif, symmetry_of(base, motif, limits))
-        tokens = tokens_of(other, limits, memory)
-        if now - tokens < max(LEAST, 0.5 * offer.gain):
-            continue
-        now, result = tokens, other
-        kept = np.ones(len(base), np.bool_)
+        if result is not None:
+            base = priced(result, limits, memory)
+            if _gain(base, motif, limits, memory) < max(LEAST, 0.5 * offer.gain):
+                continue
+        result = with_motif(base.draft, motif, symmetry_of(base.draft, motif, limits))
+        kept = np.ones(len(base.draft), np.bool_)
         kept[rows.ravel()] = False
         number = np.where(kept, np.cumsum(kept) - 1, -1)
         where = np.where(where >= 0, number[where], -1)
     return result
+
+
+def _gain(base: Priced, motif: Motif, limits: Limits, memory: Memory) -> float:
+    """Tokens that a motif saves."""
+    low, high = motif_box(base.draft, motif)
+    shape = figure(low, high, symmetry_of(base.draft, motif, limits))
+    return gain_of(base, motif, shape, limits, memory)

@@ -1,0 +1,95 @@
+"""What a draft takes, and what a motif would save: the judge of the search.
+
+Takes drafts and motifs; gives tokens. Only the lists of copies that a motif touches are looked at
+again, and of these only the ones that it takes patterns apart in. Nothing is changed here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipmlang.inverse.frames import Floats, Integers
+from ipmlang.inverse.split.cost import HEAD, placement_tokens
+from ipmlang.inverse.split.drafts import Draft, Limits, Motif
+from ipmlang.inverse.split.figures import Figure
+from ipmlang.inverse.split.listing import every_token
+from ipmlang.inverse.split.patterns import Arranged, Memory, arranged
+from ipmlang.inverse.split.snapping import label_rows, members
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Priced:
+    """lists: rows of one symbol in one body each, with their patterns; of (n,): the list of each
+    row; place (n,): where in its list it is.
+    """
+
+    draft: Draft
+    lists: tuple[Integers, ...]
+    found: tuple[Arranged, ...]
+    of: Integers
+    place: Integers
+
+    @property
+    def tokens(self) -> float:
+        """Of all bodies."""
+        bodies = len(np.unique(np.append(self.draft.body, 0)))
+        return float(sum(each.tokens for each in self.found)) + HEAD * bodies
+
+    def shares(self) -> Floats:
+        """(n,) tokens that each row takes on average."""
+        share = np.zeros(len(self.draft))
+        for rows, found in zip(self.lists, self.found, strict=True):
+            share[rows] = found.tokens / len(rows)
+        return share
+
+
+def priced(draft: Draft, limits: Limits, memory: Memory) -> Priced:
+    """A draft with the patterns of all its lists."""
+    label, count = label_rows(np.stack([draft.body, draft.symbol], axis=1))
+    lists = members(label, len(count)) if len(draft) else []
+    place = np.zeros(len(draft), np.int64)
+    found = []
+    for rows in lists:
+        place[rows] = np.arange(len(rows))
+        symbol = int(draft.symbol[rows[0]])
+        shape = draft.figures[symbol]
+        found.append(arranged(shape, draft.frames[rows], symbol, limits, memory))
+    return Priced(draft, tuple(lists), tuple(found), label, place)
+
+
+def gain_of(base: Priced, motif: Motif, shape: Figure, limits: Limits, memory: Memory) -> float:
+    """Tokens that a motif saves whose figure is `shape`."""
+    draft = base.draft
+    rows = motif.rows.ravel()
+    saved = -float(HEAD)
+    for index in np.unique(base.of[rows]).tolist():
+        gone = base.place[rows[base.of[rows] == index]]
+        saved += base.found[index].tokens - _without(base, index, gone, limits, memory)
+    symbols = draft.symbol[motif.rows[0]]
+    for symbol in np.unique(symbols).tolist():
+        inside = motif.inside[symbols == symbol]
+        saved -= arranged(draft.figures[symbol], inside, symbol, limits, memory).tokens
+    name = len(draft.figures)
+    home = draft.body[motif.rows[:, 0]]
+    for body in np.unique(home).tolist():
+        outside = motif.places[home == body]
+        saved -= arranged(shape, outside, name, limits, Memory()).tokens
+    return saved
+
+
+def _without(base: Priced, index: int, gone: Integers, limits: Limits, memory: Memory) -> int:
+    """Tokens of a list without some of its members."""
+    rows, found = base.lists[index], base.found[index]
+    left = np.setdiff1d(np.arange(len(rows)), gone)
+    if len(left) == 0:
+        return 0
+    frames = base.draft.frames[rows]
+    if np.intersect1d(found.regular, gone).size:
+        symbol = int(base.draft.symbol[rows[0]])
+        shape = base.draft.figures[symbol]
+        return arranged(shape, frames[left], symbol, limits, memory).tokens
+    singly = frames[np.setdiff1d(left, found.regular)]
+    alone = placement_tokens(singly, limits.small)
+    return found.patterns + every_token(singly, alone, limits.small)
