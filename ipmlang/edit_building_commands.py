@@ -65,7 +65,7 @@ def resize_part(
       ipmlang edit resize house.ipm --select Bay --number 3 --x 1.5 --scale -o new.ipm
     """
     from ipmlang.edit import read
-    from ipmlang.edit.buildings.resizing import Wanted, resize
+    from ipmlang.edit.buildings import Wanted, resize
 
     wanted = Wanted(x, y, z, factors=scale)
     draft = read(file, allow_outside=allow_outside)
@@ -95,7 +95,7 @@ def split_part(
       ipmlang edit split house.ipm --select Window --number 2 --into 3 -o new.ipm
     """
     from ipmlang.edit import read
-    from ipmlang.edit.buildings.dividing import split
+    from ipmlang.edit.buildings import split
 
     draft = read(file, allow_outside=allow_outside)
     made = split(draft, select, "xyz".index(axis), count, number=number)
@@ -126,7 +126,7 @@ def cut_part(
       ipmlang edit cut house.ipm --select Wall --number 1 --x 3 --x 5 -o new.ipm
     """
     from ipmlang.edit import read
-    from ipmlang.edit.buildings.dividing import cut
+    from ipmlang.edit.buildings import cut
 
     given = [(axis, places) for axis, places in enumerate((x, y, z)) if places]
     if len(given) != 1:
@@ -156,7 +156,7 @@ def join_parts(
       ipmlang edit join house.ipm --select Bay --number 1 --number 2 --number 3 -o new.ipm
     """
     from ipmlang.edit import read
-    from ipmlang.edit.buildings.dividing import join
+    from ipmlang.edit.buildings import join
 
     draft = read(file, allow_outside=allow_outside)
     finish_edit(join(draft, select, numbers, name=name), output, as_json)
@@ -180,7 +180,7 @@ def remove_part(
       ipmlang edit remove house.ipm --select Chimney --number 1 -o new.ipm
     """
     from ipmlang.edit import read
-    from ipmlang.edit.buildings.dividing import remove
+    from ipmlang.edit.buildings import remove
 
     draft = read(file, allow_outside=allow_outside)
     finish_edit(remove(draft, select, number=number), output, as_json)
@@ -212,7 +212,7 @@ def add_part(
     import numpy as np
 
     from ipmlang.edit import read
-    from ipmlang.edit.buildings.dividing import add
+    from ipmlang.edit.buildings import add
 
     draft = read(file, allow_outside=allow_outside)
     extent = None if size is None else np.array(size)
@@ -245,7 +245,7 @@ def scale_terminal(
     import numpy as np
 
     from ipmlang.edit import read
-    from ipmlang.edit.buildings.dividing import scale
+    from ipmlang.edit.buildings import scale
 
     draft = read(file, allow_outside=allow_outside)
     finish_edit(scale(draft, terminal, np.array([x, y, z])), output, as_json)
@@ -278,7 +278,7 @@ def paste_part(
       ipmlang edit paste house.ipm --part Window --select Blank --fill -o new.ipm
     """
     from ipmlang.edit import read
-    from ipmlang.edit.buildings.pasting import Copying, paste
+    from ipmlang.edit.buildings import Copying, paste
 
     draft = read(file, allow_outside=allow_outside)
     how = Copying(insert, fill)
@@ -312,7 +312,7 @@ def transfer_rule(
       ipmlang edit transfer flats.ipm --select Window --from villa.ipm --rule Window -o new.ipm
     """
     from ipmlang.edit import read
-    from ipmlang.edit.buildings.pasting import Copying, transfer
+    from ipmlang.edit.buildings import Copying, transfer
 
     draft, theirs = (read(each, allow_outside=allow_outside) for each in (file, other))
     made = transfer(draft, theirs, rule, select, Copying(fill=fill), number=number)
@@ -338,7 +338,7 @@ def mix_parts(
       ipmlang edit mix house.ipm --among Floor --among Attic -o wild.ipm
     """
     from ipmlang.edit import read
-    from ipmlang.edit.buildings.pasting import mixed
+    from ipmlang.edit.buildings import mixed
 
     draft = read(file, allow_outside=allow_outside)
     finish_edit(mixed(draft, among, name=name), output, as_json)
