@@ -120,13 +120,17 @@ class Strings:
 
 def _closed(flags: Sequence[bool], children: Sequence[set[int]]) -> list[bool]:
     """Flags that hold for all from which they can be reached."""
+    parents: list[list[int]] = [[] for _ in flags]
+    for number, below in enumerate(children):
+        for each in below:
+            parents[each].append(number)
     found = list(flags)
-    growing = True
-    while growing:
-        growing = False
-        for number, below in enumerate(children):
-            if not found[number] and any(found[each] for each in below):
-                found[number] = growing = True
+    waiting = [number for number, flag in enumerate(flags) if flag]
+    while waiting:
+        for each in parents[waiting.pop()]:
+            if not found[each]:
+                found[each] = True
+                waiting.append(each)
     return found
 
 
