@@ -120,6 +120,41 @@ def test_row_is_found_among_others() -> None:
     assert [each.counts for each in found] == [(5,)] and rest.tolist() == [5, 6]
 
 
+def test_cells_begin_before_their_contents_where_there_is_no_room_behind() -> None:
+    model = Boxes({"wall": (10, 0.4, 3), "window": (1, 0.2, 1)})
+    model.put("wall", (0, 0, 0))
+    for k in range(4):
+        model.put("window", (1.9 + 2.3 * k, 0.1, 1))
+    parts = model.parts()
+    scheme = raw_form(parts, SMALL)
+    assert same(scheme, parts)
+    counts = [i.counts for s in scheme.symbols if isinstance(s, Rule) for i in s.items
+              if isinstance(i, Octant)]  # fmt: skip
+    assert (4, 1, 1) in counts
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_random_boxes_in_boxes_come_back(seed: int) -> None:
+    """Rules for what stands in boxes that are turned by quarters, and rows of them."""
+    draw = np.random.default_rng(seed)
+    model = Boxes({"hall": (8, 6, 4), "room": (3, 2, 2), "box": (1, 0.5, 0.7), "lid": (1, 0.5, 0)})
+    for hall in range(int(draw.integers(1, 4))):
+        corner = np.array([9.0 * hall, 0, 0])
+        model.put("hall", tuple(corner))
+        for room in range(int(draw.integers(0, 3))):
+            inner = corner + np.array([0.2 + 3.5 * room, 0.5, 0.5 * draw.integers(3)])
+            model.put("room", tuple(inner), int(draw.integers(4)))
+            for k in range(int(draw.integers(0, 4))):
+                name = str(draw.choice(["box", "lid"]))
+                low = inner + np.array([0.1, 0.1, 0.1 + 0.4 * k])
+                model.put(name, tuple(low), int(draw.integers(4)))
+    parts = model.parts(seed)
+    scheme = raw_form(parts, SMALL)
+    shape, _ = expand(scheme)
+    assert len(shape) == len(parts.shape)
+    assert same(scheme, parts, 1e-7)
+
+
 def test_skewed_rows_are_arrays() -> None:
     model = Boxes({"house": (20, 20, 5), "post": (0.3, 0.3, 3)})
     model.put("house", (0, 0, 0))

@@ -154,8 +154,10 @@ class _Exported:
             counts[axis], size[axis] = count, count * step[axis]
         low = self.tree.low[first.node]
         high = np.where(counts > 1, low + size, self.tree.high[first.node])
+        over = np.where(counts > 1, np.maximum(high - self.tree.high[base], 0.0), 0.0)
+        low, high = low - over, high - over  # what is empty in a cell may lie before its contents
         straight = np.count_nonzero(lattice.steps) == len(lattice.counts)
-        inside = bool((high <= self.tree.high[base] + self.small).all())
+        inside = bool((low >= self.tree.low[base] - self.small).all())
         if straight and inside and bool((size >= 0).all()):
             x, y, z = counts.tolist()
             return self._taken(base, first, (low, high), (x, y, z))
