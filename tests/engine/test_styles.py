@@ -70,7 +70,14 @@ def test_another_import_of_the_same_file_stays_as_it_is(folder: Path) -> None:
         "shop.Window --> plain.Window Frame\n"
         "start [shop.Front] [plain.Front] street.Row on box(8, 2, 0)\n"
     )
-    assert labels(text, folder) == {"Pane": 16, "Frame": 4, "Sign": 16}
+    assert labels(text, folder) == {"Pane": 16, "Frame": 12, "Sign": 16}
+
+
+def test_what_a_file_replaces_holds_in_all_that_it_imports(folder: Path) -> None:
+    text = 'import "street"\nimport "shop"\nshop.Window --> Mine\nattr shop.bay = 4\n'
+    text += "start [shop.Front] street.Row on box(8, 2, 0)\n"
+    assert labels(text, folder) == {"Mine": 6, "Sign": 6}
+    assert names(grammar(text, folder)) == ["shop.bay", "shop.deep"]
 
 
 def test_an_import_of_an_import_is_reached_by_its_path(folder: Path) -> None:

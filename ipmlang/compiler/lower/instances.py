@@ -1,8 +1,8 @@
 """From loaded files to units: one for each file as it is, and one more for each way it is changed.
 
 A file is changed by a style of its own, and by items of files that import it whose names lead into
-it: `roofs.Hip --> …` puts another rule in the place of `Hip` for this import alone. What changes a
-file is known by where it stands, so the same changes are one unit. Nothing here makes code.
+it: `roofs.Hip --> …` puts another rule in the place of `Hip`, for the file that says so and in all
+that it imports. The same changes are one unit. Nothing here makes code.
 """
 
 from __future__ import annotations
@@ -30,7 +30,9 @@ class Change:
 
 Layer: TypeAlias = tuple[Change, ...]  # what stands in one file for one style; later ones win
 Layers: TypeAlias = tuple[Layer, ...]
-Key: TypeAlias = tuple[int, str | None, tuple[tuple[tuple[tuple[str, ...], int, int], ...], ...]]
+Below: TypeAlias = Mapping[int, Layers]  # what changes files that are imported further down
+Told: TypeAlias = tuple[tuple[tuple[tuple[str, ...], int, int], ...], ...]
+Key: TypeAlias = tuple[int, str | None, Told, tuple[tuple[int, Told], ...]]
 
 
 def units_of(loaded: Loaded, style: str | None) -> list[Unit]:
@@ -43,7 +45,7 @@ def units_of(loaded: Loaded, style: str | None) -> list[Unit]:
         hint = f"did you mean `{close[0]}`?" if close else hint
         raise fail("unknown-style", message, hint=hint)
     instances = _Instances(loaded)
-    instances.of(loaded.main, style, (), "", "")
+    instances.of(loaded.main, style, (), {}, "", "")
     units = instances.all()
     if len(units) > len(loaded.files):
         _share(units)
@@ -56,20 +58,37 @@ class _Instances:
     def __init__(self, loaded: Loaded) -> None:
         self._asked = _asked(loaded)
         self._made: dict[Key, Unit] = {}
-        self._waiting: deque[tuple[Unit, File, str | None, Layers, str]] = deque()
+        self._waiting: deque[tuple[Unit, File, str | None, Layers, Below, str]] = deque()
+        self._reached: dict[int, frozenset[int]] = {}
 
-    def of(self, file: File, style: str | None, layers: Layers, prefix: str, root: str) -> Unit:
-        """The unit of a file in a style and with changes; `root` is the prefix of its styles."""
-        told = tuple(
-            tuple((each.path, id(each.place.unit), each.place.item) for each in layer)
-            for layer in layers
-        )
-        key = (id(file), style, told)
+    def of(
+        self,
+        file: File,
+        style: str | None,
+        layers: Layers,
+        below: Below,
+        prefix: str,
+        root: str,
+    ) -> Unit:
+        """The unit of a file in a style and with changes, of itself and of what it imports; `root`
+        is the prefix of its styles.
+        """
+        reached = self._reach(file)
+        below = {number: each for number, each in below.items() if number in reached}
+        deeper = tuple((number, _told(each)) for number, each in sorted(below.items()))
+        key = (id(file), style, _told(layers), deeper)
         if key not in self._made:
             styles = frozenset(styles_of(file.grammar))
             self._made[key] = Unit(file.grammar, file.source, prefix, own_styles=styles)
-            self._waiting.append((self._made[key], file, style, layers, root))
+            self._waiting.append((self._made[key], file, style, layers, below, root))
         return self._made[key]
+
+    def _reach(self, file: File) -> frozenset[int]:
+        """The files that a file imports, and those that they import."""
+        if id(file) not in self._reached:
+            others = file.imports.values()
+            self._reached[id(file)] = frozenset(map(id, others)).union(*map(self._reach, others))
+        return self._reached[id(file)]
 
     def all(self) -> list[Unit]:
         """Every unit that can be reached from those asked for."""
@@ -77,7 +96,9 @@ class _Instances:
             self._fill(*self._waiting.popleft())
         return list(self._made.values())
 
-    def _fill(self, unit: Unit, file: File, style: str | None, outer: Layers, root: str) -> None:
+    def _fill(
+        self, unit: Unit, file: File, style: str | None, outer: Layers, below: Below, root: str
+    ) -> None:
         styles = styles_of(file.grammar)
         written = []
         for number, item in enumerate(file.grammar.items):
@@ -95,13 +116,25 @@ class _Instances:
             for item in file.grammar.items
             if isinstance(item, ast.Import)
         }
+        own = {alias: _within(layers, alias) for alias in file.imports}
+        deeper = dict(below)
+        for alias, other in file.imports.items():
+            deeper[id(other)] = own[alias] + deeper.get(id(other), ())
         for alias, other in file.imports.items():
             prefix = f"{unit.prefix}{alias}."
-            within = _within(layers, alias)
-            unit.imports[alias] = self.of(other, chosen[alias], within, prefix, prefix)
+            changes = own[alias] + below.get(id(other), ())
+            unit.imports[alias] = self.of(other, chosen[alias], changes, deeper, prefix, prefix)
         for name in styles:
             if name in self._asked:
-                unit.styles[name] = self.of(file, name, outer, f"{root}{name}.", root)
+                unit.styles[name] = self.of(file, name, outer, below, f"{root}{name}.", root)
+
+
+def _told(layers: Layers) -> Told:
+    """Layers as a key: the same items of the same units are the same."""
+    return tuple(
+        tuple((each.path, id(each.place.unit), each.place.item) for each in layer)
+        for layer in layers
+    )
 
 
 def _layers(given: Layers, styles: Mapping[str, ast.Style], chosen: Sequence[str]) -> list[Layer]:
