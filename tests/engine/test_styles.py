@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import pytest
 
 import ipmlang
 from ipmlang.compiler.verify import verify
+from tests.engine.random_grammars import Grammar
 
 SHOP = (
     'ipm 1\nattr bay = 2 in 1..5 "width"\nattr deep = bay / 4\nconst high = 1\n'
@@ -195,3 +197,24 @@ def test_turtles_have_styles(tmp_path: Path) -> None:
 def test_a_style_that_is_not_there_is_told(tmp_path: Path) -> None:
     with pytest.raises(ipmlang.IpmError, match="has no style `Nihgt`"):
         grammar(HOUSE + "start House\n", tmp_path, "Nihgt")
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_a_style_is_the_file_with_its_rules_exchanged(seed: int, tmp_path: Path) -> None:
+    lines, others = (Grammar(each).text().splitlines() for each in (seed, seed + 1000))
+    other = [line for line in others if line.startswith("A(n, x) : ")]
+    other = [line for line in other if not re.search(r"\b[BC]\(", line)]
+    kept = [line for line in lines if not line.startswith("A(n, x) : ")]
+    other = other or ["A(n, x) --> F(x)"]
+    exchanged = "\n".join([*kept[1:-1], *other, kept[-1]]) + "\n"
+    styled = "\n".join([*lines[1:-1], "style S", *(f"S.{line}" for line in other), lines[-1]])
+    one, two = grammar(exchanged, tmp_path), grammar(styled + "\n", tmp_path, "S")
+    try:
+        found = one.run(seed=seed).instances
+    except ipmlang.IpmError as error:  # the alternatives that are left may not cover everything
+        with pytest.raises(ipmlang.IpmError, match=error.diagnostics[0].code):
+            two.run(seed=seed)
+        return
+    wanted = two.run(seed=seed).instances
+    assert found.key.tolist() == wanted.key.tolist()
+    assert found.position.tolist() == wanted.position.tolist()
