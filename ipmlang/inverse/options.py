@@ -82,6 +82,7 @@ def check_model_options(options: Options) -> None:
         "the weights": not options.weights.neutral,
         "`similarity`": options.similarity < 1,
         "`symmetrize`": options.symmetrize,
+        "`explain`": options.explain,
     }
     for what, is_asked in asked.items():
         if is_asked:

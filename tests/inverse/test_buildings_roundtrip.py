@@ -28,7 +28,6 @@ SMALL = [
     "building_F_nobase.obj", "market.obj", "pins.glb", "recast_nav_test.obj", "tower_A.obj",
     "wall_straight.obj", "warehouse_boxes.glb", "warehouse_roof.glb", "windmill_fan.obj",
 ]  # fmt: skip
-SINGLE = ["bosl2_rack.stl", "bosl2_cubetruss.stl"]
 LIMIT = 1e-6
 
 
@@ -122,14 +121,14 @@ def test_flat_is_one_placement_per_component() -> None:
     assert found.report.tokens == found.report.tokens_flat
 
 
-@pytest.mark.parametrize("name", SINGLE)
-def test_one_piece_is_said_to_be_one(name: str, tmp_path: Path) -> None:
+def test_one_piece_is_said_to_be_one(tmp_path: Path) -> None:
     """In one line, with the way out, and nothing is written."""
-    output = tmp_path / "out.ipm"
-    done = _command("infer", str(_model(name)), "-o", str(output))
-    assert done.returncode != 0 and "one connected piece" in done.stderr
+    model, output = tmp_path / "cube.obj", tmp_path / "out.ipm"
+    model.write_text(_cubes([(0, 0, 0)]))
+    done = _command("infer", str(model), "-o", str(output))
+    assert done.returncode != 0 and "one connected piece of 12 triangles" in done.stderr
     assert "docking" in done.stderr and "Traceback" not in done.stderr
-    assert not list(tmp_path.iterdir())
+    assert [each.name for each in tmp_path.iterdir()] == ["cube.obj"]
 
 
 def test_the_command_tells_what_was_found(tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ WindowGrid, Pair). Takes a scheme; gives a name for each symbol, none twice. Not
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -25,6 +26,7 @@ from ipmlang.inverse.split.scheme import (
     Terminal,
 )
 
+_NAMELESS = re.compile(r"Part\d*")  # shapes for which neither the file nor their box has a word
 UPWARD = 0.7  # share of a step that has to be up for a column
 
 
@@ -56,7 +58,8 @@ def rule_wish(scheme: Scheme, rule: Rule, named: Sequence[str]) -> str:
     drawn = [(symbol, len(frames)) for item in rule.items for symbol, frames in placements(item)]
     stem = capital(named[_main(scheme, rule)]) if drawn else "Empty"
     kind = _arrangement(rule.items, drawn)
-    return stem + kind if len(stem + kind) <= LONGEST else kind
+    says_nothing = _NAMELESS.fullmatch(stem) is not None or len(stem + kind) > LONGEST
+    return kind if says_nothing else stem + kind
 
 
 def _main(scheme: Scheme, rule: Rule) -> int:
