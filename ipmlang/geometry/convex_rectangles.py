@@ -14,8 +14,9 @@ import numpy as np
 from ipmlang.geometry.solid import Floats
 
 BENT = 1e-12  # the sine by which a corner of a convex polygon may bend the wrong way
-LINES = 33  # left lines that are looked at together
-FINE = 1e-12  # the last step, as a part of the width
+LINES = (9, 257)  # left lines that are looked at together, at least and at most
+AT_ONCE = 1 << 18  # pairs of a left line and a place for the right one, looked at together
+FINE = 1e-10  # the last step, as a part of the width
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,12 +49,13 @@ def widest_lines(ring: Floats) -> tuple[float, float]:
     chains = _chains(ring)
     low, high = float(ring[:, 0].min()), float(ring[:, 0].max())
     width, best, right = high - low, low, high
+    many = min(max(AT_ONCE // len(ring), LINES[0]), LINES[1])
     while high - low > FINE * width:
-        left = np.linspace(low, high, LINES)
+        left = np.linspace(low, high, many)
         areas, rights = _best_right(chains, left)
         place = int(areas.argmax())
         best, right = float(left[place]), float(rights[place])
-        low, high = float(left[max(place - 1, 0)]), float(left[min(place + 1, LINES - 1)])
+        low, high = float(left[max(place - 1, 0)]), float(left[min(place + 1, many - 1)])
     return best, right
 
 

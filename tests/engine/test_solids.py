@@ -196,3 +196,13 @@ def test_a_polygon_that_is_given_a_height_is_a_prism() -> None:
     assert area(solids(scene)[0]) == pytest.approx(8)
     scene = run(f"A --> size(2, 2, 3) split z {{ 1: B | ~1: C }}\nstart A {ground}\n")
     assert [volume(each) for each in solids(scene)] == pytest.approx([2, 4])
+
+
+@pytest.mark.parametrize(
+    "operation",
+    ["setback(1) { all: B }", "comp { all: B }", "comp(edges) { all: B }", "innerRect { shape: B }",
+     "scatter(3) B", "extrude(2) B", "roofHip(30) B"],
+)  # fmt: skip
+def test_nothing_comes_of_no_geometry(operation: str) -> None:
+    """A turtle's shape has none, in a batch where no other has any."""
+    assert len(run(f"A --> F(1) [C]\nC --> {operation}\nstart A\n").instances) == 1

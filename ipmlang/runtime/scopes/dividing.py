@@ -148,6 +148,8 @@ def parts_of(
     """The pieces of each of many solids (n), in scopes of these extents (n, 3), each with arguments
     of its own.
     """
+    if not solids:
+        return []
     body, together = APART[name], TOGETHER.get(name)
     known = together(solids, values) if together else [None] * len(solids)
     return [
