@@ -1,8 +1,8 @@
 """Models by the suffix of their file: names, meshes and scenes, read with one call each.
 
 Takes a path and perhaps the name of a node; gives types of `mesh_types`. Everything that comes in
-is z-up: GLB is turned, the others keep their axes. Which bytes mean what is known to the module of
-each format.
+is z-up: GLB and DAE are turned, the others keep their axes. Which bytes mean what is known to the
+module of each format.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ipmlang.formats import FormatError
 from ipmlang.formats.atomic import Content
 from ipmlang.formats.mesh_types import Mesh, MeshScene, baked, chosen_faces
 
-SUFFIXES = (".glb", ".obj", ".ply", ".stl", ".off")
+SUFFIXES = (".glb", ".obj", ".ply", ".stl", ".off", ".dae")
 
 
 def mesh_names(path: Path | str) -> tuple[str, ...]:
@@ -35,6 +35,10 @@ def mesh_names(path: Path | str) -> tuple[str, ...]:
                 from ipmlang.formats.obj_read import obj_names
 
                 return tuple(obj_names(path))
+            case ".dae":
+                from ipmlang.formats.dae import read_dae
+
+                return read_dae(path).names
             case _:
                 return () if path.is_file() else _absent(path)
 
@@ -110,11 +114,31 @@ def _read(path: Path, nodes: Sequence[str | None]) -> list[MeshScene]:
             from ipmlang.formats.stl import read_stl
 
             scene = read_stl(path)
+        case ".dae":
+            from ipmlang.formats.dae import read_dae
+
+            return [_named(read_dae(path), node) for node in nodes]
         case _:
             from ipmlang.formats.off import read_off
 
             scene = read_off(path)
     return [scene if node is None else _part(scene, node) for node in nodes]
+
+
+def _named(scene: MeshScene, node: str | None) -> MeshScene:
+    """The copies that go by a name, where they stand."""
+    if node is None:
+        return scene
+    rows = np.flatnonzero(scene.name == (scene.names.index(node) if node in scene.names else -1))
+    if not len(rows):
+        raise FormatError(f"nothing in the file is called `{node}`")
+    return replace(
+        scene,
+        mesh=scene.mesh[rows],
+        matrix=scene.matrix[rows],
+        name=scene.name[rows],
+        material=scene.material[rows],
+    )
 
 
 def _part(scene: MeshScene, node: str) -> MeshScene:

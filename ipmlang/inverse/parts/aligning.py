@@ -40,7 +40,8 @@ def aligned(model: Model, copies: Copies) -> Alignment:
     found = in_same_order(model, copies, result.linear)
     result.found[found] = True
     rest = np.flatnonzero(~result.found)
-    turned = turns(np.broadcast_to(model.copies.points, copies.points[rest].shape), copies.points[rest])
+    there = copies.points[rest]
+    turned = turns(np.broadcast_to(model.copies.points, there.shape), there)
     _keep(result, rest, in_same_order(model, copies[rest], turned), turned)
     rest = np.flatnonzero(~result.found)
     _match(model, copies, result, rest, np.tile(np.eye(3), (len(rest), 1, 1)), 0.0)

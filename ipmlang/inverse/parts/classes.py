@@ -152,9 +152,7 @@ def _representative(members: _Fitted, tolerance: float) -> int:
     return int(np.lexsort([np.arange(len(box)), apart, box, -often])[0])
 
 
-def _exact(
-    members: _Fitted, model: Floats, near: float, tolerance: float
-) -> tuple[Floats, Floats]:
+def _exact(members: _Fitted, model: Floats, near: float, tolerance: float) -> tuple[Floats, Floats]:
     """Whole numbers where they hold, else the maps of least squares; and what is left (k,)."""
     own = np.broadcast_to(model, members.points.shape)
     sign = np.sign(np.linalg.det(members.linear))

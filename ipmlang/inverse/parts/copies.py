@@ -105,7 +105,7 @@ class Model:
         return cKDTree(self.copies.points[0])
 
     def nearest(self, points: Floats, reach: Floats) -> tuple[Truths, Integers]:
-        """Rows (k,) of points (k, v, 3) that all have a vertex within reach (k,), and which (k, v)."""
+        """Rows (k,) of points (k, p, 3) that all have a vertex within reach (k,), and which."""
         if not points.size:
             return np.zeros(len(points), np.bool_), np.zeros(points.shape[:2], np.int64)
         if len(self.copies) == 1:
@@ -117,7 +117,7 @@ class Model:
             square = np.einsum("kpvi,kpvi->kpv", off, off)
             index = np.argmin(square, axis=2)
             apart = np.sqrt(np.take_along_axis(square, index[..., None], 2)[..., 0])
-        close: Truths = (apart <= reach[:, None]).all(axis=1)
+        close = np.asarray((apart <= reach[:, None]).all(axis=1), np.bool_)
         return close, np.asarray(index, np.int64)
 
 
@@ -136,9 +136,7 @@ def in_same_order(model: Model, copies: Copies, linear: Floats) -> Truths:
     return kept
 
 
-def matched(
-    model: Model, copies: Copies, linear: Floats, slack: Floats
-) -> tuple[Truths, Integers]:
+def matched(model: Model, copies: Copies, linear: Floats, slack: Floats) -> tuple[Truths, Integers]:
     """Which rows are the model under maps (k, 3, 3), and for these rows (r, v) the vertex that
     stands where the model's vertex is. slack (k,): how far off the maps may be themselves.
     """

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ipmlang.formats.distinct import distinct_rows
 from ipmlang.inverse.frames import Floats, Integers
 from ipmlang.inverse.parts.pieces import Pieces, sums
 
@@ -40,10 +41,13 @@ def alike(pieces: Pieces, center: Floats, tolerance: float) -> list[Integers]:
     )
     _, label = np.unique(counts, axis=0, return_inverse=True)
     label = label.reshape(-1)
-    for column in _lengths(pieces, center).T:
-        label = _parted(label, column, 4 * tolerance)
-    for column in _images(pieces).T:
-        label = _parted(label, column, 4 * UV_TOLERANCE)
+    images = _images(pieces) * (tolerance / UV_TOLERANCE)
+    columns = np.concatenate([_lengths(pieces, center), images], axis=1) / (4 * tolerance)
+    for column in columns.T:
+        label = _parted(label, column)
+    label = _without_lone(label, columns)
+    for column in columns.T:
+        label = _parted(label, column)
     order = np.argsort(label, kind="stable")
     groups = np.split(order, np.flatnonzero(np.diff(label[order])) + 1)
     return sorted(groups, key=lambda group: int(group[0]))
@@ -92,13 +96,34 @@ def _images(pieces: Pieces) -> Floats:
     return np.concatenate([middle, np.sqrt(sums(off**2, pieces.corner_start) / counts)], axis=1)
 
 
-def _parted(label: Integers, value: Floats, gap: float) -> Integers:
-    """Labels that also differ where values of one label, in order, are further apart than the gap."""
+def _parted(label: Integers, value: Floats) -> Integers:
+    """Labels that also differ where values of one label, in order, jump by more than 1."""
     order = np.lexsort([value, label])
-    new = (np.diff(label[order]) != 0) | (np.diff(value[order]) > gap)
+    new = (np.diff(label[order]) != 0) | (np.diff(value[order]) > 1)
     parted = np.empty(len(label), np.int64)
     parted[order] = np.concatenate([[0], np.cumsum(new)])
     return parted
+
+
+def _without_lone(label: Integers, columns: Floats) -> Integers:
+    """Labels of their own for rows with no like: among very many parts of all sizes each column
+    has values everywhere, and only all columns together tell which are near each other.
+    """
+    from scipy.spatial import cKDTree
+
+    table = np.concatenate([label[:, None] * 4.0, columns], axis=1)
+    shared = np.bincount(label)[label] > 1
+    rows = np.flatnonzero(shared)
+    if len(rows) < 2:
+        return label
+    first, kind = distinct_rows(np.rint(table[rows] * 64))
+    alone = first[np.bincount(kind) == 1]  # in its cell; others have a like beyond doubt
+    leaders = table[rows[first]]
+    near, _ = cKDTree(leaders).query(table[rows[alone]], k=2, p=np.inf, distance_upper_bound=1.1)
+    lone = rows[alone[~np.isfinite(np.asarray(near)[:, 1])]]
+    label = label.copy()
+    label[lone] = int(label.max()) + 1 + np.arange(len(lone))
+    return label
 
 
 def mixed(value: NDArray[np.uint64]) -> NDArray[np.uint64]:

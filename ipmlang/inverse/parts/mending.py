@@ -1,4 +1,4 @@
-"""Faces that are wrong in themselves: without area, twice there, or turned against their neighbours.
+"""Faces that are wrong in themselves: without area, there twice, or turned against their like.
 
 Takes a mesh whose equal points have equal labels; gives the mesh without such faces, and notes
 that count what was mended. Faces that look inward all together are left: rooms are seen from

@@ -16,9 +16,10 @@ from ipmlang.formats.mesh_types import Mesh
 from ipmlang.inverse.frames import Floats, Integers
 
 _PLAIN = frozenset(
-    "default mesh object node group geometry scene root model part material none unnamed untitled "
-    "generic surface polygon polygons shape visual lib slot lambert".split()
-)
+    ["default", "mesh", "object", "node", "group", "geometry", "scene", "root", "model", "part",
+     "material", "none", "unnamed", "untitled", "generic", "surface", "polygon", "polygons",
+     "shape", "visual", "lib", "slot", "lambert"]
+)  # fmt: skip
 
 
 def class_names(

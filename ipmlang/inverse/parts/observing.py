@@ -17,7 +17,7 @@ from ipmlang.formats import FormatError
 from ipmlang.formats.drawing import Note
 from ipmlang.formats.mesh import read_meshes
 from ipmlang.formats.mesh_types import Mesh
-from ipmlang.inverse.frames import Floats, from_matrices
+from ipmlang.inverse.frames import Floats, Integers, from_matrices
 from ipmlang.inverse.parts.classes import MOST_SYMMETRY, Classes, ShapeClass, classified
 from ipmlang.inverse.parts.mending import sound
 from ipmlang.inverse.parts.naming import class_names
@@ -29,6 +29,7 @@ from ipmlang.inverse.parts.upward import upward
 from ipmlang.inverse.parts.welding import connected_faces, welded
 
 EXACT = 1e-6  # share of the diagonal that equal parts may differ by
+_PER_NAME = 2  # parts that each name of the file may add by what it cuts
 FINER = 1.1  # times as many shapes there may be for the sake of equal triangles
 
 
@@ -99,10 +100,7 @@ def _taken_apart(
     mesh = soup.mesh
     diagonal = float(np.linalg.norm(np.ptp(mesh.vertices[mesh.corners], axis=0)))
     same, met = welded(mesh.vertices, diagonal)
-    # Copies of one mesh stay whole, and apart from what they touch.
-    owner = np.where(soup.shared[soup.owner], soup.owner + 1, 0)
-    nodes = np.repeat(owner * (int(met.max()) + 1), np.diff(mesh.offsets)) + met[mesh.corners]
-    part = connected_faces(nodes, mesh.offsets)
+    owner, part = _connected(soup, met)
     better, kept, mended = sound(mesh, same, owner, diagonal)
     if not len(kept):
         hint = "; ".join(f"{note.message} ({note.count})" for note in (*said, *mended))
@@ -130,6 +128,28 @@ def _classes(pieces: Pieces, tolerance: float, same_triangles: bool) -> Classes:
         return found
     finer = classified(with_diagonals(pieces), tolerance)
     return finer if len(finer.classes) <= FINER * len(found.classes) + 1 else found
+
+
+def _connected(soup: Soup, met: Integers) -> tuple[Integers, Integers]:
+    """For each face what it is given to and its part: copies of one mesh stay apart from what they
+    touch, and so does what the file names apart, where its names do not cut through things.
+    """
+    mesh = soup.mesh
+
+    def connected(owner: Integers) -> Integers:
+        beyond = np.repeat(owner * (int(met.max()) + 1), np.diff(mesh.offsets))
+        return connected_faces(beyond + met[mesh.corners], mesh.offsets)
+
+    owner = np.where(soup.shared[soup.owner], soup.owner + 1, 0)
+    part = connected(owner)
+    names = len(np.unique(mesh.group))
+    if names > 1:
+        named = owner * len(soup.paths) + mesh.group
+        finer = connected(named)
+        # Groups for each material cut things to pieces; objects only part things that touch.
+        if int(finer.max()) <= int(part.max()) + _PER_NAME * names:
+            return named, finer
+    return owner, part
 
 
 def _told(soup: Soup, pieces: Pieces, found: Classes, diagonal: float, stem: str) -> Parts:
@@ -187,7 +207,8 @@ def _paths(soup: Soup, pieces: Pieces) -> tuple[tuple[str, ...], ...]:
     """The path under which most faces of each part stood, of equally many the first."""
     part = np.repeat(np.arange(len(pieces)), np.diff(pieces.face_start))
     count = len(soup.paths)
-    key, first, often = np.unique(part * count + pieces.group, return_index=True, return_counts=True)
+    under = part * count + pieces.group
+    key, first, often = np.unique(under, return_index=True, return_counts=True)
     order = np.lexsort([first, -often, key // count])
     leading = order[np.searchsorted(key[order] // count, np.arange(len(pieces)))]
     return tuple(soup.paths[each] for each in (key[leading] % count).tolist())
@@ -197,7 +218,9 @@ def _unused(mesh: Mesh) -> tuple[Note, ...]:
     used = np.zeros(len(mesh.vertices), np.bool_)
     used[mesh.corners] = True
     lost = int((~used).sum())
-    return (Note("unused-vertex", "vertices that no face uses were left out", lost),) if lost else ()
+    if not lost:
+        return ()
+    return (Note("unused-vertex", "vertices that no face uses were left out", lost),)
 
 
 def _remarks(classes: Sequence[ShapeClass]) -> tuple[Note, ...]:

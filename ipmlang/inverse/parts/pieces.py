@@ -17,7 +17,6 @@ from ipmlang.formats.mesh_types import Mesh
 from ipmlang.inverse.frames import Floats, Integers
 from ipmlang.inverse.parts.soup import corners_of
 
-
 Number = TypeVar("Number", np.float64, np.int64, np.uint64)
 
 

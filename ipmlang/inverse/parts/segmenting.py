@@ -32,25 +32,28 @@ from ipmlang.inverse.parts.soup import corners_of
 
 _LEAST, _MOST = 8, 60_000  # faces of parts that are tried, of one and of all in a round
 _ROUNDS = 3
+_PLACE = 8.0  # numbers that a place costs
 
 
 @dataclass(frozen=True, slots=True)
 class _Trial:
     """A cut, what a piece's place costs in numbers, and the share of what the whole costs that the
-    pieces may cost: more where the file itself shows that things merely touch.
+    pieces may cost: more where the file itself shows that things merely touch. often: how many
+    pieces there must be of a kind, on average, for a cut that saves less than half.
     """
 
     cut: Cut
     place: float
     share: float
+    often: float = 0.0
 
 
 _TRIALS = (
     _Trial(by_own_vertices, 4.0, 0.7),
     _Trial(by_edges, 4.0, 0.7),
     _Trial(by_planes, 8.0, 0.45),
-    _Trial(by_valleys, 8.0, 0.45),
-    _Trial(by_ridges, 8.0, 0.45),
+    _Trial(by_valleys, 8.0, 0.8, 8.0),
+    _Trial(by_ridges, 8.0, 0.8, 8.0),
     _Trial(by_creases, 8.0, 0.45),
 )
 
@@ -68,7 +71,8 @@ def segmented(
         fit = fresh & (faces >= _LEAST) & (faces <= _MOST)
         worth = _largest([rows for rows in groups if fit[rows[0]]], faces)
         first = np.array([rows[0] for rows in worth], np.int64)
-        choice = _choices(mesh, same, part, first, diagonal, tolerance)
+        times = np.array([len(rows) for rows in worth], np.int64)
+        choice = _choices(mesh, same, part, (first, times), diagonal, tolerance)
         finer = part.copy()
         for number, trial in enumerate(_TRIALS):
             rows = [group for group, chosen in zip(worth, choice, strict=True) if chosen == number]
@@ -109,9 +113,7 @@ def _cut(
     return rank[kind]
 
 
-def _sheet(
-    mesh: Mesh, same: Integers, part: Integers, faces: Integers, diagonal: float
-) -> Sheet:
+def _sheet(mesh: Mesh, same: Integers, part: Integers, faces: Integers, diagonal: float) -> Sheet:
     """Some faces as a sheet, with all vertices in their places."""
     return sheet_of(_some(mesh, faces), same, part[faces], diagonal)
 
@@ -131,31 +133,41 @@ def _some(mesh: Mesh, faces: Integers) -> Mesh:
 
 
 def _choices(
-    mesh: Mesh, same: Integers, part: Integers, rows: Integers, diagonal: float, tolerance: float
+    mesh: Mesh,
+    same: Integers,
+    part: Integers,
+    kinds: tuple[Integers, Integers],
+    diagonal: float,
+    tolerance: float,
 ) -> Integers:
-    """For each of the rows of parts the number of the cut that pays most, -1 for none."""
+    """For each kind of part, given by the row of one of them and how many there are, the number of
+    the cut that pays most, -1 for none.
+    """
+    rows, times = kinds
     choice = np.full(len(rows), -1)
     if not len(rows):
         return choice
-    faces = np.flatnonzero(np.isin(part, rows))
-    sheet = _sheet(mesh, same, part, faces, diagonal)
+    sheet = _sheet(mesh, same, part, np.flatnonzero(np.isin(part, rows)), diagonal)
     order = np.argsort(rows)
     parent = order[np.searchsorted(rows[order], sheet.part)]
     least = np.ones(len(rows))
-    whole = _costs(sheet, same, parent, parent, 8.0, tolerance)
+    whole = _shapes(sheet, same, parent, parent, tolerance)[0] + _PLACE * times
     for number, trial in enumerate(_TRIALS):
         _, first, label = np.unique(trial.cut(sheet), return_index=True, return_inverse=True)
         many = np.bincount(parent[first], minlength=len(rows))
-        bound = trial.place * many + _least_costs(sheet, parent, label)
+        places = trial.place * many * times
+        bound = places + _least_costs(sheet, parent, label)
         hopeful = (many > 2) & (bound < np.minimum(trial.share, least) * whole)
         if not hopeful.any():
             continue
-        share = np.ones(len(rows))
         faces = np.flatnonzero(hopeful[parent])
         some = replace(sheet, mesh=_some(sheet.mesh, faces))
-        cost = _costs(some, same, parent[faces], label[faces], trial.place, tolerance)
-        share[: len(cost)] = np.where(hopeful[: len(cost)], cost, np.inf) / whole[: len(cost)]
+        cost, kinds_in = np.full(len(rows), np.inf), np.zeros(len(rows))
+        costs, counts = _shapes(some, same, parent[faces], label[faces], tolerance)
+        cost[: len(costs)], kinds_in[: len(counts)] = costs, counts
+        share = np.where(hopeful, cost + places, np.inf) / whole
         better = (share <= trial.share) & (share < least * 0.9)
+        better &= (share <= 0.45) | (many >= trial.often * kinds_in)
         choice[better], least[better] = number, share[better]
     return choice
 
@@ -169,13 +181,16 @@ def _least_costs(sheet: Sheet, parent: Integers, label: Integers) -> Floats:
     above[label] = parent
     key = np.stack([above, faces, corners], axis=1)
     first, _ = distinct_rows(key.astype(np.float64))
-    return np.bincount(above[first], 1.4 * corners[first], int(parent.max()) + 1)
+    least = np.bincount(above[first], 1.4 * corners[first], int(parent.max()) + 1)
+    return least.astype(np.float64)
 
 
-def _costs(
-    sheet: Sheet, same: Integers, parent: Integers, label: Integers, place: float, tolerance: float
-) -> Floats:
-    """What each parent costs to say: the numbers of each kind of piece in it, and the places."""
+def _shapes(
+    sheet: Sheet, same: Integers, parent: Integers, label: Integers, tolerance: float
+) -> tuple[Floats, Integers]:
+    """What the shapes of each parent cost to say, the numbers of each kind of piece in it; and how
+    many kinds there are.
+    """
     label = np.unique(label, return_inverse=True)[1]
     pieces = sorted_pieces(sheet.mesh, same, label, False)
     above = parent[pieces.face[pieces.face_start[:-1]]]
@@ -185,5 +200,5 @@ def _costs(
     own = 3.0 * np.diff(pieces.vertex_start) + np.diff(pieces.corner_start)
     _, first = np.unique(above * len(pieces) + kind, return_index=True)
     count = int(parent.max()) + 1
-    shapes = np.bincount(above[first], own[first], count)
-    return np.asarray(shapes + place * np.bincount(above, minlength=count))
+    costs = np.bincount(above[first], own[first], count).astype(np.float64)
+    return costs, np.bincount(above[first], minlength=count)

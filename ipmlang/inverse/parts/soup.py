@@ -102,9 +102,7 @@ def _block(
     )
 
 
-def _paths(
-    scene: MeshScene, mesh: Mesh, row: int, paths: dict[tuple[str, ...], int]
-) -> Integers:
+def _paths(scene: MeshScene, mesh: Mesh, row: int, paths: dict[tuple[str, ...], int]) -> Integers:
     """The index of each group's path in a copy: the copy's own name before the group's."""
     name = scene.names[scene.name[row]] if len(scene.mesh) > 1 else ""
     found = []

@@ -1,0 +1,149 @@
+"""What hangs together and is cut into what repeats, and what is left whole; names of the file."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from inverse import solids
+from inverse.solids import Floats, box, lost, obj_text, regular, soup_of
+
+from ipmlang.formats import FormatError
+from ipmlang.formats.mesh_types import Mesh, moved
+from ipmlang.inverse.parts import observe, parts_of
+
+EXACT = 1e-6
+
+
+def at(x: float, y: float = 0.0, z: float = 0.0) -> Floats:
+    """A shift."""
+    return np.concatenate([np.eye(3), [[x], [y], [z]]], axis=1)
+
+
+def test_boxes_that_touch_are_bricks() -> None:
+    """Each has its own vertices in the file, whatever lies at the same place."""
+    places = [at(2.0 * i, 0, 1.0 * k) for i in range(5) for k in range(4)]
+    soup = soup_of([box(2, 1, 1)] * 20, places)
+    parts = parts_of(soup, EXACT)
+    assert (len(parts.shape), len(parts.classes)) == (20, 1)
+    assert lost(parts, soup.mesh) < EXACT
+    assert any(note.code == "segmented" for note in parts.notes)
+
+
+def test_flat_panels_of_a_wall() -> None:
+    """Quads side by side in one plane, each with its own vertices."""
+    panel = solids.polygons([[0, 0, 0], [2, 0, 0], [2, 0, 3], [0, 0, 3]], [[0, 1, 2, 3]])
+    places = [at(2.0 * i, 0, 3.0 * k) for i in range(8) for k in range(6)]
+    parts = parts_of(soup_of([panel] * 48, places), EXACT)
+    assert (len(parts.shape), len(parts.classes)) == (48, 1)
+
+
+@pytest.mark.parametrize("mesh", [box(1, 2, 3), regular(24), regular(7, 3.0)])
+def test_faces_with_their_own_vertices_are_one_shape(mesh: Mesh) -> None:
+    """Files part vertices to shade faces apart; that does not take shapes apart."""
+    corners = np.arange(len(mesh.corners))
+    loose = replace(mesh, vertices=mesh.vertices[mesh.corners], corners=corners)
+    assert len(parts_of(soup_of([loose]), EXACT).shape) == 1
+
+
+def facade(columns: int, rows: int) -> Mesh:
+    """One shell: a wall with niches in a grid, vertices shared."""
+    points: dict[tuple[float, float, float], int] = {}
+    faces: list[list[int]] = []
+
+    def add(*corners: tuple[float, float, float]) -> None:
+        faces.append([points.setdefault(corner, len(points)) for corner in corners])
+
+    def wall(x: float, z: float) -> None:
+        add((x, 0, z), (x + 1, 0, z), (x + 1, 0, z + 1), (x, 0, z + 1))
+
+    for i in range(columns):
+        for k in range(rows):
+            x, z = 3.0 * i, 3.0 * k
+            for a, b in ((a, b) for a in range(3) for b in range(3) if (a, b) != (1, 1)):
+                wall(x + a, z + b)
+            ring = [(x + 1, z + 1), (x + 2, z + 1), (x + 2, z + 2), (x + 1, z + 2)]
+            add(*[(u, 0.4, w) for u, w in ring])
+            for (u, w), (p, q) in zip(ring, [*ring[1:], ring[0]], strict=True):
+                add((u, 0, w), (u, 0.4, w), (p, 0.4, q), (p, 0, q))
+    return solids.polygons([list(each) for each in points], faces)
+
+
+def test_a_facade_of_one_shell_is_cut() -> None:
+    """Into pieces of a few kinds, each of them many times."""
+    soup = soup_of([facade(8, 6)])
+    parts = parts_of(soup, EXACT)
+    assert sorted(len(each.members) for each in parts.classes) == [1, 48]
+    assert lost(parts, soup.mesh) < EXACT
+
+
+def test_nothing_is_cut_where_nothing_repeats() -> None:
+    """A rough terrain stays whole."""
+    random = np.random.default_rng(2)
+    x, y = np.meshgrid(np.arange(30.0), np.arange(30.0))
+    points = np.stack([x, y, random.normal(size=x.shape)], axis=2).reshape(-1, 3)
+    begin = (np.arange(29)[:, None] * 30 + np.arange(29)).reshape(-1)
+    faces = np.concatenate(
+        [begin[:, None] + [0, 1, 30], begin[:, None] + [1, 31, 30]]
+    ).tolist()  # fmt: skip
+    assert len(parts_of(soup_of([solids.polygons(points.tolist(), faces)]), EXACT).shape) == 1
+
+
+@pytest.mark.parametrize("name", ["recast_dungeon.obj", "castle.obj", "market.obj", "barracks.obj"])
+def test_real_parts_stay_whole(name: str, data: Path) -> None:
+    """Parts of hand-made models are what their makers made."""
+    parts = observe(data / "mesh" / name)
+    assert not [note for note in parts.notes if note.code == "segmented"]
+
+
+def test_objects_that_touch_stay_apart(tmp_path: Path) -> None:
+    """A wall and a slab that share an edge, with the names the file gives them."""
+    text = (
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 0 1\nv 0 0 1\n"
+        "o IfcSlab_1\nf 1 2 3 4\no IfcWallStandardCase_2\nf 1 6 5 2\n"
+    )
+    parts = observe(solids.written(tmp_path / "a.obj", text))
+    assert parts.path == (("IfcSlab_1",), ("IfcWallStandardCase_2",))
+    assert [each.name for each in parts.classes] in (
+        ["Slab", "WallStandardCase"],
+        ["Slab"],
+    )
+
+
+def test_what_was_mended_is_said() -> None:
+    """Faces without area, faces there twice, one that looks the other way."""
+    mesh = box(1, 2, 3)
+    faces = [mesh.corners[4 * k : 4 * k + 4].tolist() for k in range(6)]
+    faces[2] = faces[2][::-1]
+    wrong = solids.polygons(
+        [*mesh.vertices.tolist(), [9, 9, 9]], [*faces, faces[0], [0, 1, 0, 1], [0, 2, 2]]
+    )
+    parts = parts_of(soup_of([wrong]), EXACT)
+    assert {note.code: note.count for note in parts.notes} == {
+        "unused-vertex": 1,
+        "degenerate-face": 2,
+        "duplicate-face": 1,
+        "flipped-face": 1,
+    }
+    assert lost(parts, mesh) < EXACT
+
+
+def test_up_is_guessed_and_can_be_said(tmp_path: Path) -> None:
+    """A house that stands on z = 0 in a format where y is usual."""
+    lifted = moved(box(4, 3, 5), at(-2, -1, 0))
+    path = solids.written(tmp_path / "a.obj", obj_text(lifted))
+    assert observe(path).up == "z-up" and observe(path, up="y").up == "y-up"
+    assert np.allclose(observe(path, unit=0.5).classes[0].size, [2, 1.5, 2.5])
+    assert np.allclose(observe(path, up="y").classes[0].size, [4, 5, 3])
+
+
+@pytest.mark.parametrize(
+    "name", ["degenerate.obj", "huge_coords.obj", "nan_vertices.obj", "empty.obj"]
+)
+def test_hostile_models(name: str, data: Path) -> None:
+    """One message, with a hint."""
+    with pytest.raises(FormatError) as caught:
+        observe(data / "hostile" / name)
+    assert "\n" not in caught.value.message
