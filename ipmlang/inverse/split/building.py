@@ -40,7 +40,8 @@ MOST_BARE = 8  # cells of a split of which none repeat
 EXACT = 0.5  # of what does not count: as near a symbol has to be to stand in a cell as it is
 
 
-Home: TypeAlias = tuple[int, tuple[float, float, float]]
+Corner: TypeAlias = tuple[float, ...]
+Home: TypeAlias = tuple[int, Corner]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -71,7 +72,7 @@ class Building:
     _cost: list[int] = field(default_factory=list)
     _homes: list[dict[Home, int]] = field(default_factory=list)
     _below: list[frozenset[int]] = field(default_factory=list)
-    _known: dict[bytes, list[tuple[Contents, Floats, int]]] = field(default_factory=dict)
+    _known: dict[bytes, list[tuple[Corner, Contents, Floats, int]]] = field(default_factory=dict)
     _wraps: dict[tuple[int | None, int, int], list[tuple[int, float, Floats]]] = field(
         default_factory=dict
     )
@@ -113,8 +114,8 @@ class Building:
             if isinstance(item, Place) and len(item.frames) == 1:
                 tokens = int(placement_tokens(item.frames, self.small)[0]) - 1
                 if tokens and isinstance(self.made[item.symbol], Terminal):
-                    x, y, z = np.round(item.frames.position[0] / (16 * self.small)).tolist()
-                    yield (item.symbol, (x, y, z)), tokens
+                    place = np.round(item.frames.position[0] / (16 * self.small))
+                    yield (item.symbol, tuple(place.tolist())), tokens
 
     def below(self, number: int) -> frozenset[int]:
         """All symbols that a symbol needs, with itself."""
@@ -128,7 +129,10 @@ class Building:
         """
         inside = sorted_rows(inside, self.small)
         known = self._known.setdefault(inside.kind.tobytes(), [])
-        for other, extent, number in known:
+        here = tuple(inside.frames.position[0].tolist())
+        for first, other, extent, number in known:
+            if any(abs(a - b) > self.small for a, b in zip(here, first, strict=True)):
+                continue  # most differ in their first row already
             fits = np.abs(extent - size).max() <= self.small or not is_cut(self.made[number])
             if fits and same(inside, other, self.small):
                 return number
@@ -137,7 +141,7 @@ class Building:
             self._left -= 1
             options += self._splits(inside, size, bare)
         number = min(options, key=self.cost)
-        known.append((inside, size, number))
+        known.append((here, inside, size, number))
         return number
 
     def _plain(self, inside: Contents, size: Floats) -> int:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ipmlang.inverse.frames import Floats, compose, moved_to
-from ipmlang.inverse.split.building import Building, bonus, repeats
+from ipmlang.inverse.split.building import Building, bonus, is_cut, repeats
 from ipmlang.inverse.split.changing import begun_at, copies, needed, owned
 from ipmlang.inverse.split.contents import Contents, Kinds, contents, extents
 from ipmlang.inverse.split.cost import scheme_tokens
@@ -38,6 +38,8 @@ def as_splits(scheme: Scheme, small: float) -> Scheme:
     if not all(copies(rule.items) for rule in rules):
         return scheme
     found = _named(_Rewriting(scheme, small).scheme())
+    if not any(is_cut(symbol) for symbol in found.symbols):
+        return scheme
     saved = _score(scheme, small) - _score(found, small)
     if saved <= 0:
         return scheme

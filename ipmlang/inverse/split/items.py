@@ -47,8 +47,9 @@ EXTENTS = ("scope.sx", "scope.sy", "scope.sz")
 @dataclass(slots=True, eq=False)
 class Wording:
     """What all items are printed with. names: of the symbols; reach: how far each gets from its own
-    origin; sized: symbols that need a scope of their own size, with that size; counts: expressions
-    that stand for a count, by (rule, item, direction); one_by_one: no tables.
+    origin; sized: symbols that need a scope of their own size, with that size; sizing: those of
+    them whose rules set it, as they stand in no cell; counts: expressions that stand for a count,
+    by (rule, item, direction); one_by_one: no tables.
     """
 
     scheme: Scheme
@@ -56,6 +57,7 @@ class Wording:
     precision: Precision
     reach: Floats
     sized: dict[int, Vector] = field(default_factory=dict)
+    sizing: frozenset[int] = frozenset()
     counts: dict[tuple[int, int, int], ast.Expr] = field(default_factory=dict)
     given: Names = field(default_factory=Names)
     tables: list[ast.Table] = field(default_factory=list)
@@ -64,7 +66,7 @@ class Wording:
 
     def symbol(self, index: int) -> list[ast.Element]:
         """The symbol where it is placed freely: with its own scope, if it needs one."""
-        size = self.sized.get(index)
+        size = None if index in self.sizing else self.sized.get(index)
         own: list[ast.Element] = [] if size is None else [call("size", *size)]
         return [*own, ast.Module(self.names[index])]
 

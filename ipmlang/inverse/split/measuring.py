@@ -59,6 +59,18 @@ def needing_size(scheme: Scheme, small: float) -> dict[int, Floats]:
     return found if small >= 0 else {}
 
 
+def in_cells(scheme: Scheme) -> set[int]:
+    """Symbols that stand in a cell somewhere, which gives them their scope."""
+    return {
+        cell.symbol
+        for symbol in scheme.symbols
+        for item in (symbol.items if isinstance(symbol, Rule) else ())
+        if isinstance(item, Split)
+        for cell in item.cells
+        if cell.symbol is not None
+    }
+
+
 def _asks(item: Item) -> bool:
     """Whether what an item draws hangs on the scope."""
     return isinstance(item, Split | Octant) or (

@@ -17,11 +17,11 @@ from ipmlang.inverse.naming import Names
 from ipmlang.inverse.split.expansion import placements
 from ipmlang.inverse.split.items import Wording, item_elements
 from ipmlang.inverse.split.lifting import lifted
-from ipmlang.inverse.split.measuring import needing_size, reaches
+from ipmlang.inverse.split.measuring import in_cells, needing_size, reaches
 from ipmlang.inverse.split.naming import symbol_names
 from ipmlang.inverse.split.placing import Precision, spots, steps_to
 from ipmlang.inverse.split.scheme import Rule, Scheme, Split, Terminal
-from ipmlang.inverse.split.wording import bracket
+from ipmlang.inverse.split.wording import bracket, call
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,6 +64,7 @@ def make_wording(
     wording = Wording(scheme, names, precision, reaches(scheme), given=given)
     for number, size in needing_size(scheme, precision.length).items():
         wording.sized[number] = precision.vector(size)
+    wording.sizing = frozenset(wording.sized) - in_cells(scheme)
     return wording
 
 
@@ -72,6 +73,8 @@ def rule_body(wording: Wording, number: int) -> tuple[ast.Element, ...]:
     rule = wording.scheme.symbols[number]
     assert isinstance(rule, Rule)
     body: list[ast.Element] = []
+    if number in wording.sizing:
+        body.append(call("size", *wording.sized[number]))
     for k, item in enumerate(rule.items):
         elements = item_elements(wording, number, k, item)
         if isinstance(item, Split) and k < len(rule.items) - 1:
@@ -85,14 +88,20 @@ def _rule(wording: Wording, number: int) -> ast.Rule:
     assert isinstance(rule, Rule)
     body = rule_body(wording, number)
     if number == wording.scheme.axiom:
-        body = (*_frame(wording, wording.scheme.frame), *body)
+        body = _framed(wording, wording.scheme.frame, body)
     return ast.Rule(ast.Head(wording.names[number]), body, doc=rule.note or None)
 
 
-def _frame(wording: Wording, frame: Frames) -> list[ast.Element]:
-    """What leads to the axiom's coordinates."""
+def _framed(
+    wording: Wording, frame: Frames, body: tuple[ast.Element, ...]
+) -> tuple[ast.Element, ...]:
+    """The axiom's body in its coordinates; what mirrors or grows stands in a bracket."""
     reach = float(wording.reach[wording.scheme.axiom])
-    return steps_to(spots(frame, wording.precision, reach)[0])
+    spot = spots(frame, wording.precision, reach)[0]
+    steps = steps_to(spot)
+    if spot.mirrored or spot.scale is not None:
+        return (bracket([*steps, *body]),)
+    return (*steps, *body)
 
 
 def top_down(scheme: Scheme) -> list[int]:
