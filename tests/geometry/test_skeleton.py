@@ -30,6 +30,7 @@ from numpy.random import default_rng
 from shapely.geometry import Polygon
 from shapely.ops import unary_union
 
+from ipmlang.geometry import skeleton_contacts
 from ipmlang.geometry.skeleton import MOST, Skeleton, moved_rings, straight_skeleton
 from ipmlang.geometry.skeleton_rings import fit_rings
 from ipmlang.geometry.solid import GeometryError
@@ -81,6 +82,18 @@ def test_the_300_footprints(first: int) -> None:
             check(rings)
         except (GeometryError, AssertionError) as failure:
             pytest.fail(f"{name}: {failure}")
+
+
+def test_only_corners_near_segments_are_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Beyond some pairs of corners and segments boxes say which may meet; nothing is overlooked."""
+    chosen = [rings for _, rings in itertools.islice(the_300(), 0, 300, 6)]
+    chosen += [rings_of(star(default_rng(k), 60)) for k in range(3)]
+    all_pairs = [straight_skeleton(rings) for rings in chosen]
+    monkeypatch.setattr(skeleton_contacts, "FEW", 0)
+    for rings, before in zip(chosen, all_pairs, strict=True):
+        found = straight_skeleton(rings)
+        assert (found.faces, found.holes) == (before.faces, before.holes)
+        assert (found.vertices == before.vertices).all()
 
 
 @pytest.mark.parametrize("seed", range(3))
