@@ -144,3 +144,15 @@ def test_an_edit_finishes_as_a_file(tmp_path: Path) -> None:
     assert not finished.warnings
     assert finished.terminals == 12
     assert {path.name for path in finished.files} == {"wide.baked.parts.obj"}
+
+
+def test_a_range_that_would_be_left_is_told() -> None:
+    text = "ipm 1\nattr h : float = 4 in 2..5\nPost --> size(1, 1, h) cube Wood\nstart Post"
+    made = resize(edit.read_text(text), "Wood", Wanted(z=4.5))
+    assert "attr h : float = 4.5" in made.text
+    assert not made.notes
+    made = resize(edit.read_text(text), "Wood", Wanted(z=8.0))
+    assert [each.message for each in made.notes] == [
+        "`h` would have to be 8, out of its range: places and sizes were changed instead"
+    ]
+    assert "size(1, 1, 8) cube Wood" in made.text

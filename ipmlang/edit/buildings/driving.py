@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -39,25 +39,28 @@ TRY = 1.07  # times a number, to see what it does
 @dataclass(frozen=True, slots=True)
 class Knob:
     """A number of the grammar. where: as a person reads it; value: now; put: the draft with another
-    one; whole: it counts something.
+    one; whole: it counts something; low, high: what it may be.
     """
 
     where: str
     value: float
     put: Callable[[float], Draft]
     whole: bool = False
+    low: float = -math.inf
+    high: float = math.inf
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Aim:
     """What a resize wants. keys: the shapes that get the size; others: those of the same symbol
-    that keep theirs.
+    that keep theirs; refused: what attributes would have had to be, had their ranges allowed it.
     """
 
     keys: Sequence[Key]
     others: Sequence[Key]
     size: Floats
     along: Sequence[int]
+    refused: list[str] = field(default_factory=list)
 
 
 def driven(tree: Tree, aim: Aim) -> Draft | None:
@@ -76,7 +79,7 @@ def _one(tree: Tree, aim: Aim, axis: int) -> Tree | None:
     for number, knob in enumerate(_knobs(tree, aim.keys[0])):
         if number >= TRIALS:
             return None
-        found = _solved(tree, aim.keys[0], axis, float(aim.size[axis]), knob)
+        found = _solved(tree, aim, axis, knob)
         if found is not None and _is_meant(tree, found, aim, axis):
             return found
     return None
@@ -109,17 +112,23 @@ def _vanished(before: Tree, after: Tree) -> bool:
     return bool(((first > 0) & (last < LEAST * first)).any())
 
 
-def _solved(tree: Tree, key: Key, axis: int, aim: float, knob: Knob) -> Tree | None:
+def _solved(tree: Tree, wanted: Aim, axis: int, knob: Knob) -> Tree | None:
     """The tree with a number such that the size is right, by secants."""
+    key, aim = wanted.keys[0], float(wanted.size[axis])
     now = size_of(tree, key, axis)
     assert now is not None
     x, y = knob.value, now
     guess = x + 1 if knob.whole else (x * TRY if x else 0.1)
     if not knob.whole and math.isclose(x, y, rel_tol=1e-9):
         guess = aim  # the number is the size
+    first = guess
     far = RATHER * max(aim / y, y / aim) if y > 0 else RATHER
     for _ in range(STEPS):
         if x and not 1 / far <= abs(guess / knob.value) <= far:
+            return None
+        if not knob.low <= guess <= knob.high:
+            if guess != first:
+                wanted.refused.append(f"`{knob.where}` would have to be {guess:.6g}")
             return None
         made = _tried(knob, guess)
         size = None if made is None else size_of(made, key, axis)
@@ -235,7 +244,16 @@ def _named(draft: Draft, number: int, item: ast.Attr, value: float, whole: bool)
         change = Change(item.name, format_expression(item.default), format_expression(made))
         return with_items(draft, {number: replace(item, default=made)}, [change])
 
-    return Knob(item.name, value, put, whole)
+    low, high = -math.inf, math.inf
+    if isinstance(item.allowed, ast.Range):
+        low = _bound(item.allowed.low, low)
+        high = _bound(item.allowed.high, high)
+    return Knob(item.name, value, put, whole, low, high)
+
+
+def _bound(expr: ast.Expr | None, default: float) -> float:
+    value = None if expr is None else number_of(expr)
+    return default if value is None else value
 
 
 def _constant(draft: Draft, number: int, item: ast.Const, value: float) -> Knob:

@@ -10,12 +10,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ipmlang.compiler import ast
-from ipmlang.compiler.diagnostics import IpmError, fail
+from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail
 from ipmlang.edit.arithmetic import literal
 from ipmlang.edit.buildings.attachments import Attached, attach, settle, stretching, warped
 from ipmlang.edit.buildings.driving import Aim, Key, driven
@@ -98,10 +98,20 @@ def resize(
     if parameters:
         others = [] if number is None else [each for each in every if each not in picked]
         keys = [[_key(forms, unit) for unit in units] for units in (picked, others)]
-        found = driven(tree, Aim(keys[0], keys[1], aim, wanted.along))
+        meant = Aim(keys[0], keys[1], aim, wanted.along)
+        found = driven(tree, meant)
         if found is not None:
             return found
+        forms.tree = replace(tree, draft=_told(draft, meant.refused))
     return _stretched(forms, picked, aim / np.where(size > 0, size, 1.0), wanted.along)
+
+
+def _told(draft: Draft, refused: Sequence[str]) -> Draft:
+    """The draft with a note of the attributes that would have done, had they been allowed to."""
+    if not refused:
+        return draft
+    message = f"{refused[0]}, out of its range: places and sizes were changed instead"
+    return replace(draft, notes=(*draft.notes, Diagnostic("out-of-range", message, severity="warning")))
 
 
 def _alike(forms: Forms, found: list[Unit], wanted: Wanted, name: str) -> tuple[list[Unit], Floats]:
