@@ -1,0 +1,117 @@
+"""How fast edits of buildings are: `python tests/bench/bench_edits.py`.
+
+Prints one JSON object. `solve`: a façade of so many boxes stretched, CPU seconds for finding its
+neighbours, marking its equations, factoring them, solving them for another size, and all but the
+neighbours; `local`: one window of it made wider. `edits`: whole resizes of small buildings, from
+text to text. A loop of plain Python with a known count runs beside (`loop_s`), so that runs on busy
+machines can be compared. Timings are kept, never asserted.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT))
+
+from ipmlang import edit  # noqa: E402
+from ipmlang.edit.buildings import Wanted, resize  # noqa: E402
+from ipmlang.edit.buildings.attachments import (  # noqa: E402
+    Attached,
+    attach,
+    mark,
+    settle,
+    stretching,
+)
+
+FILES = ROOT / "tests" / "edit" / "buildings"
+LOOP = 10**6
+
+
+def timed(work: Callable[[], object]) -> tuple[float, object]:
+    """The least CPU seconds of three runs, and what came out."""
+    best, made = float("inf"), None
+    for _ in range(3):
+        begun = time.process_time()
+        made = work()
+        best = min(best, time.process_time() - begun)
+    return round(best, 4), made
+
+
+def facade(columns: int, rows: int) -> tuple[np.ndarray, np.ndarray]:
+    """A wall with windows, each with a sill below and a head above, between two towers."""
+    low, high = [[0.0, 0.0, 0.0]], [[2.0 * columns, 0.4, 3.0 * rows]]
+    for i in range(columns):
+        for k in range(rows):
+            x, z = 2.0 * i + 0.5, 3.0 * k + 0.8
+            low += [[x, -0.1, z], [x - 0.1, -0.2, z - 0.2], [x, -0.1, z + 1.5]]
+            high += [[x + 1, 0.4, z + 1.5], [x + 1.1, 0.2, z], [x + 1, 0.2, z + 1.8]]
+    low += [[-3.0, 0, 0], [2.0 * columns, 0, 0]]
+    high += [[0.0, 3, 3.0 * rows + 2], [2.0 * columns + 3, 3, 3.0 * rows + 2]]
+    return np.array(low), np.array(high)
+
+
+def solving(columns: int, rows: int) -> dict[str, float]:
+    low, high = facade(columns, rows)
+    found, made = timed(lambda: attach(low, high, 1e-6))
+    assert isinstance(made, Attached)
+    faces, count = made.faces[:, 0], len(low)
+    fixed = np.sort(np.array([faces[0], faces[count]]))
+    marking, _ = timed(lambda: mark(made, 0, fixed, [0]))
+    both, system = timed(lambda: stretching(made, 0, fixed, [0]))
+    own = stretching(made, 0, fixed, [0])
+    again, _ = timed(lambda: own.solve(np.array([0.0, 1.3 * high[0, 0]])))
+    held, result = timed(lambda: settle(own, np.array([0.0, 1.3 * high[0, 0]])))
+    assert result is not None and system is not None
+    window = count // 2 - (count // 2 - 1) % 3
+    pins = np.sort(np.array([faces[window], faces[window + count]]))
+    values = np.sort(np.array([low[window, 0], high[window, 0] + 0.2]))
+    local, _ = timed(lambda: settle(stretching(made, 0, pins, [window]), values))
+    return {
+        "boxes": count,
+        "equations": own.equations,
+        "neighbours_s": found,
+        "mark_s": marking,
+        "factor_s": round(both - marking, 4),
+        "solve_s": again,
+        "settle_s": held,
+        "all_s": round(both + held, 4),
+        "local_s": local,
+    }
+
+
+def whole_edits() -> dict[str, float]:
+    tasks = {
+        "wall, twice as wide": ("wall", "Castle", Wanted(x=2.0, factors=True), None),
+        "wall, one window": ("wall", "Window", Wanted(x=1.5, factors=True), 3),
+        "court, half as deep": ("court", "Court", Wanted(y=0.5, factors=True), None),
+        "floors, by its lot": ("floors", "Facade", Wanted(x=21.0), None),
+    }
+    found = {}
+    for name, (file, select, wanted, number) in tasks.items():
+        draft = edit.read(FILES / f"{file}.ipm")
+        found[name], _ = timed(
+            lambda d=draft, s=select, w=wanted, n=number: resize(d, s, w, number=n)
+        )
+    return found
+
+
+def main() -> None:
+    begun = time.process_time()
+    sum(i * i for i in range(LOOP))
+    loop = round(time.process_time() - begun, 3)
+    print(json.dumps({
+        "loop_s": loop,
+        "solve": [solving(*size) for size in ((10, 10), (58, 58), (130, 130))],
+        "edits": whole_edits(),
+    }, indent=1))  # fmt: skip
+
+
+if __name__ == "__main__":
+    main()
