@@ -67,7 +67,7 @@ def facade(columns: int, rows: int) -> Mesh:
             ring = [(x + 1, z + 1), (x + 2, z + 1), (x + 2, z + 2), (x + 1, z + 2)]
             add(*[(u, 0.4, w) for u, w in ring])
             for (u, w), (p, q) in zip(ring, [*ring[1:], ring[0]], strict=True):
-                add((u, 0, w), (u, 0.4, w), (p, 0.4, q), (p, 0, q))
+                add((u, 0, w), (p, 0, q), (p, 0.4, q), (u, 0.4, w))
     return solids.polygons([list(each) for each in points], faces)
 
 

@@ -29,15 +29,27 @@ def class_names(
     stem: str,
 ) -> list[str]:
     """A name for each class."""
-    hints = [_hint(rows, paths) for rows in members]
-    common = Counter(hints)
-    several = len({mesh.materials for mesh in meshes}) > 1
-    wanted = []
-    for hint, mesh in zip(hints, meshes, strict=True):
-        # A name that most classes would bear, or the file's own, tells nothing.
-        tells = hint and hint != word(stem) and common[hint] <= max(3, len(hints) // 4)
-        wanted.append(hint if tells else (several and _by_material(mesh)) or shape_word(mesh))
-    return _numbered(wanted)
+    own = word(stem)
+    # One path for all parts tells nothing of any.
+    several = len(set(paths)) > 1
+    hints = [_hint(rows, paths) if several else "" for rows in members]
+    by_group = _telling(hints, own)
+    by_material = _telling([_by_material(mesh) for mesh in meshes], own)
+    return _numbered(
+        [
+            group or material or shape_word(mesh)
+            for group, material, mesh in zip(by_group, by_material, meshes, strict=True)
+        ]
+    )
+
+
+def _telling(words: Sequence[str], own: str) -> list[str]:
+    """Words without the file's own and those that so many classes would bear that they tell
+    nothing.
+    """
+    often = Counter(words)
+    most = max(3, len(words) // 4)
+    return [each if each != own and often[each] <= most else "" for each in words]
 
 
 def word(text: str) -> str:
