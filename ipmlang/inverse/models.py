@@ -8,7 +8,7 @@ schemes are tried. Nothing is written.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
@@ -46,13 +46,16 @@ Up = Literal["auto", "y", "z"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Goal:
-    """What is to be given back. limit: share of the diagonal that it may be off; axiom: a wish."""
+    """What is to be given back. limit: share of the diagonal that it may be off; axiom: a wish;
+    said: what was printed already.
+    """
 
     parts: Parts
     source: Mesh
     limit: float
     stem: str
     axiom: str
+    said: dict[tuple[Scheme, float, bool], _Said] = field(default_factory=dict)
 
 
 def grammar_of_model(
@@ -110,7 +113,8 @@ def _searched(goal: _Goal, plain: Scheme, options: Options) -> Iterator[Scheme]:
 
 
 def _length(goal: _Goal, scheme: Scheme) -> int:
-    return _tokens(_written(goal, scheme, ROUNDINGS[0], False)[0])
+    """The tokens of a scheme's text, but for those that all have."""
+    return _tokens(ast.Grammar(_said(goal, scheme, ROUNDINGS[0], False).items))
 
 
 def _tokens(grammar: ast.Grammar) -> int:
@@ -138,10 +142,23 @@ def _check_parts(path: Path, parts: Parts) -> None:
         )
 
 
-def _written(
-    goal: _Goal, scheme: Scheme, rounding: float, one_by_one: bool
-) -> tuple[ast.Grammar, PartsFile]:
-    """The grammar of a scheme and the file of its terminals."""
+@dataclass(frozen=True, slots=True, eq=False)
+class _Said:
+    """A scheme as items of a grammar, with the meshes of its terminals by name."""
+
+    items: tuple[ast.Item, ...]
+    terminals: dict[str, Mesh]
+
+
+def _said(goal: _Goal, scheme: Scheme, rounding: float, one_by_one: bool) -> _Said:
+    """The rules of a scheme, which are printed once for each rounding."""
+    key = (scheme, rounding, one_by_one)
+    if key not in goal.said:
+        goal.said[key] = _newly_said(goal, *key)
+    return goal.said[key]
+
+
+def _newly_said(goal: _Goal, scheme: Scheme, rounding: float, one_by_one: bool) -> _Said:
     parts, room = goal.parts, rounding * goal.limit
     homes: dict[int, Frames] = {}
     if not one_by_one:
@@ -152,16 +169,25 @@ def _written(
         for number, symbol in enumerate(scheme.symbols)
         if isinstance(symbol, Terminal)
     }
-    file = write_parts(terminals, decimals_for(parts.diagonal, 4 * room))
-    items: list[ast.Item] = [ast.Version(1)]
-    if parts.up == "y-up":
-        items.append(ast.Axes("y-up"))
-    items.append(ast.Asset(tuple(terminals), parts_name(goal.stem, file.suffix), True))
-    return ast.Grammar((*items, *printed.items)), file
+    return _Said(printed.items, terminals)
 
 
 def _at_home(mesh: Mesh, home: Frames | None) -> Mesh:
     return mesh if home is None else moved(mesh, matrices(home)[0])
+
+
+def _written(
+    goal: _Goal, scheme: Scheme, rounding: float, one_by_one: bool
+) -> tuple[ast.Grammar, PartsFile]:
+    """The grammar of a scheme and the file of its terminals."""
+    said = _said(goal, scheme, rounding, one_by_one)
+    room = rounding * goal.limit
+    file = write_parts(said.terminals, decimals_for(goal.parts.diagonal, 4 * room))
+    items: list[ast.Item] = [ast.Version(1)]
+    if goal.parts.up == "y-up":
+        items.append(ast.Axes("y-up"))
+    items.append(ast.Asset(tuple(said.terminals), parts_name(goal.stem, file.suffix), True))
+    return ast.Grammar((*items, *said.items)), file
 
 
 def _report(goal: _Goal, scheme: Scheme, difference: Difference, options: Options) -> Report:
