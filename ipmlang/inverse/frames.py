@@ -69,14 +69,17 @@ def join(parts: Sequence[Frames]) -> Frames:
 def linear(frames: Frames) -> Floats:
     """(n, 3, 3) what frames do to directions."""
     w, x, y, z = frames.rotation.T
-    rows = np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-    turned = np.moveaxis(rows, -1, 0) * frames.scale[:, None, None]
+    turned = np.empty((len(frames), 3, 3))
+    turned[:, 0, 0] = 1 - 2 * (y * y + z * z)
+    turned[:, 0, 1] = 2 * (x * y - w * z)
+    turned[:, 0, 2] = 2 * (x * z + w * y)
+    turned[:, 1, 0] = 2 * (x * y + w * z)
+    turned[:, 1, 1] = 1 - 2 * (x * x + z * z)
+    turned[:, 1, 2] = 2 * (y * z - w * x)
+    turned[:, 2, 0] = 2 * (x * z - w * y)
+    turned[:, 2, 1] = 2 * (y * z + w * x)
+    turned[:, 2, 2] = 1 - 2 * (x * x + y * y)
+    turned *= frames.scale[:, None, None]
     turned[:, :, 0] *= frames.hand[:, None]
     return turned
 

@@ -17,7 +17,7 @@ from ipmlang.inverse.split.seeds import Seed
 from ipmlang.inverse.split.snapping import Flags
 
 LARGEST = 600  # rows of one occurrence
-LONGEST = 24  # times that occurrences are given up
+LONGEST = 12  # times that occurrences are given up
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -31,14 +31,14 @@ MOST_TURNED = 400  # copies among which rings are looked for
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Arranged:
-    """Items that place a symbol, and their tokens; regular: rows that stand in patterns, which
-    take `patterns` of the tokens.
+    """Items that place a symbol, and their tokens; patterns: for each row the item it stands in,
+    -1 for those that stand singly; each (p,): tokens of every pattern.
     """
 
     items: tuple[Item, ...]
     tokens: int
-    regular: Integers
-    patterns: int
+    patterns: Integers
+    each: Integers
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,19 +79,20 @@ def _arranged(shape: Figure, frames: Frames, symbol: int, limits: Limits) -> Arr
     alone = placement_tokens(plainest, limits.small)
     every = np.arange(len(frames))
     if len(frames) < FEWEST:
-        return Arranged((Place(symbol, plainest),), int(alone.sum()), every[:0], 0)
+        return Arranged((Place(symbol, plainest),), int(alone.sum()), every * 0 - 1, every[:0])
     listed = listing(plainest, alone, limits.small)
     groups = _turned_alike(shape, plainest, limits)
     left = np.ones(len(frames), np.bool_)
     items: list[Item] = []
-    patterns = 0
+    patterns, each = every * 0 - 1, []
     pool = _found(shape, plainest, groups, alone, left, symbol, limits)
     while pool and len(items) < MOST:
         best = _best(pool, listed, every[left])
         if best is None:
             break
+        patterns[best.rows] = len(items)
         items.append(best.item)
-        patterns += best.tokens
+        each.append(best.tokens)
         left[best.rows] = False
         touched = [(rows, own) for rows, own in groups if np.intersect1d(rows, best.rows).size]
         pool = [found for found in pool if left[found.rows].all()]
@@ -100,7 +101,7 @@ def _arranged(shape: Figure, frames: Frames, symbol: int, limits: Limits) -> Arr
     singly = list_tokens(listed, every[left])
     if left.any():
         items.append(Place(symbol, plainest[every[left]]))
-    return Arranged(tuple(items), patterns + singly, every[~left], patterns)
+    return Arranged(tuple(items), sum(each) + singly, patterns, np.array(each, np.int64))
 
 
 def _best(pool: list[Found], listed: Listing, rows: Integers) -> Found | None:

@@ -1,7 +1,7 @@
 """What a draft takes, and what a motif would save: the judge of the search.
 
 Takes drafts and motifs; gives tokens. Only the lists of copies that a motif touches are looked at
-again, and of these only the ones that it takes patterns apart in. Nothing is changed here.
+again; patterns that it takes apart count as lost. Nothing is changed here.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ def gain_of(base: Priced, motif: Motif, shape: Figure, limits: Limits, memory: M
     saved = -float(HEAD)
     for index in np.unique(base.of[rows]).tolist():
         gone = base.place[rows[base.of[rows] == index]]
-        saved += base.found[index].tokens - _without(base, index, gone, limits, memory)
+        saved += base.found[index].tokens - _without(base, index, gone, limits)
     symbols = draft.symbol[motif.rows[0]]
     for symbol in np.unique(symbols).tolist():
         inside = motif.inside[symbols == symbol]
@@ -79,17 +79,15 @@ def gain_of(base: Priced, motif: Motif, shape: Figure, limits: Limits, memory: M
     return saved
 
 
-def _without(base: Priced, index: int, gone: Integers, limits: Limits, memory: Memory) -> int:
-    """Tokens of a list without some of its members."""
+def _without(base: Priced, index: int, gone: Integers, limits: Limits) -> int:
+    """Tokens of a list without some of its members, at most: a pattern that lacks one is undone."""
     rows, found = base.lists[index], base.found[index]
-    left = np.setdiff1d(np.arange(len(rows)), gone)
-    if len(left) == 0:
+    left = np.ones(len(rows), np.bool_)
+    left[gone] = False
+    if not left.any():
         return 0
-    frames = base.draft.frames[rows]
-    if np.intersect1d(found.regular, gone).size:
-        symbol = int(base.draft.symbol[rows[0]])
-        shape = base.draft.figures[symbol]
-        return arranged(shape, frames[left], symbol, limits, memory).tokens
-    singly = frames[np.setdiff1d(left, found.regular)]
+    broken = np.unique(found.patterns[gone])
+    whole = np.setdiff1d(np.arange(len(found.each)), broken)
+    singly = base.draft.frames[rows[left & ~np.isin(found.patterns, whole)]]
     alone = placement_tokens(singly, limits.small)
-    return found.patterns + every_token(singly, alone, limits.small)
+    return int(found.each[whole].sum()) + every_token(singly, alone, limits.small)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 
@@ -43,21 +44,22 @@ NOTHING = 0.1  # of that, what is printed as nothing
 LEAST = 2.0  # tokens that a rule has to save
 TRIED = 10  # candidates of a round that are priced exactly
 ROUNDS = 60
-SEEDS = 200  # kinds of pairs that are grown in a round
-WORK = 30_000_000  # lookups
+SEEDS = 100  # kinds of pairs that are grown before what grew is priced
+BATCHES = 3  # how often in a round, where nothing pays
+WORK, EACH = 250_000, 120  # lookups, and more of them for each part
 
 
-def shortest(parts: Parts, error: float | None = None, work: int = WORK) -> Scheme:
+def shortest(parts: Parts, error: float | None = None, work: int | None = None) -> Scheme:
     """The shortest scheme found for parts.
 
     error: units that a part may be off, None for what counts as exact; work: lookups after which
-    the best so far is given.
+    the best so far is given, None for some of them and more for each part.
     """
     bound = PROVEN * parts.diagonal if error is None else error
     return next(each for each in schemes(parts, error, work) if _off(parts, each) <= bound)
 
 
-def schemes(parts: Parts, error: float | None = None, work: int = WORK) -> Iterator[Scheme]:
+def schemes(parts: Parts, error: float | None = None, work: int | None = None) -> Iterator[Scheme]:
     """Schemes that should do, the ones that take more liberties first; the last has no rules.
 
     How far parts are from their shapes counts too, but only a proof knows in which direction.
@@ -66,7 +68,7 @@ def schemes(parts: Parts, error: float | None = None, work: int = WORK) -> Itera
     plain = flat(parts)
     for share in SHARES:
         limits = Limits(share * bound, NOTHING * bound)
-        found = _searched(parts, limits, work)
+        found = _searched(parts, limits, WORK + EACH * len(parts.shape) if work is None else work)
         if _off(parts, found) <= HOPE * bound:
             small = limits.small
             yield min((found, plain), key=lambda scheme: scheme_tokens(scheme, small))
@@ -106,35 +108,38 @@ def _improved(draft: Draft, limits: Limits, memory: Memory, work: int) -> tuple[
         return None, 0
     field = field_of(draft)
     base = priced(draft, limits, memory)
-    share = base.shares()
-    grown, used = _grown(field, share, limits, work)
-    better = _taken(base, _offers(field, grown, share, limits), limits, memory)
-    if better is None:
-        grown = [each for each in wholes(field, limits.error) if len(each.rows)]
-        better = _taken(base, _offers(field, grown, share, limits), limits, memory)
-    return better, used + len(draft)
+    used = len(draft)
+    for grown, took in islice(_grown(field, limits), BATCHES):
+        used += took
+        better = _taken(base, _offers(field, grown, base.shares(), limits), limits, memory)
+        if better is not None or used > work:
+            return better, used
+    grown = [each for each in wholes(field, limits.error) if len(each.rows)]
+    return _taken(base, _offers(field, grown, base.shares(), limits), limits, memory), used
 
 
-def _grown(field: Field, share: Floats, limits: Limits, work: int) -> tuple[list[Grown], int]:
-    """Motifs from the seeds of this field, those that others contain just as often left out."""
+def _grown(field: Field, limits: Limits) -> Iterator[tuple[list[Grown], int]]:
+    """Motifs from the seeds of this field, some at a time, and the work they took; those that
+    others contain just as often are left out.
+    """
     edges = edges_of(field, limits.error)
     covered = np.zeros(len(edges.pairs), np.bool_)
-    found, used, tried = [], 0, 0
+    found: list[Grown] = []
+    used, tried = 0, 0
     for chosen in labels_by_promise(edges):
         if covered[chosen].all():
             continue
-        tried += 1
-        if tried > SEEDS:
-            break
         for seed in seeds(field, edges, chosen, limits.error):
             chain, took = grow(field, seed, limits.error)
             used += took + len(seed.of)
             found += chain
             for each in chain[:1] + chain[-1:]:
                 _cover(edges, each, covered)
-        if used > work:
-            break
-    return found, used
+        tried += 1
+        if tried % SEEDS == 0:
+            yield found, used
+            found, used = [], 0
+    yield found, used
 
 
 def _cover(edges: Edges, grown: Grown, covered: Flags) -> None:

@@ -42,8 +42,24 @@ def label_rows(rows: NDArray[np.int64]) -> tuple[Integers, Integers]:
     """
     if len(rows) == 0:
         return np.zeros(0, np.int64), np.zeros(0, np.int64)
-    _, label, count = np.unique(rows, axis=0, return_inverse=True, return_counts=True)
+    keys = _keys(rows)
+    if keys is None:
+        _, label, count = np.unique(rows, axis=0, return_inverse=True, return_counts=True)
+    else:
+        _, label, count = np.unique(keys, return_inverse=True, return_counts=True)
     return np.asarray(label, np.int64).reshape(-1), np.asarray(count, np.int64)
+
+
+def _keys(rows: NDArray[np.int64]) -> Integers | None:
+    """(n,) one number for each row, in lexical order; None where they would be too large."""
+    low = rows.min(axis=0)
+    extent = rows.max(axis=0) - low + 1
+    if float(np.prod(extent.astype(np.float64))) > 2.0**62:
+        return None
+    keys = np.zeros(len(rows), np.int64)
+    for column in range(rows.shape[1]):
+        keys = keys * extent[column] + (rows[:, column] - low[column])
+    return keys
 
 
 def members(label: Integers, count: int) -> list[Integers]:
