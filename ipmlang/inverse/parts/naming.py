@@ -48,7 +48,8 @@ def _telling(words: Sequence[str], own: str) -> list[str]:
     nothing.
     """
     often = Counter(words)
-    most = max(3, len(words) // 4) if len(often) > 1 else 0
+    shared = len(often) == 1 < len(words)
+    most = 0 if shared else max(3, len(words) // 4)
     return [each if each != own and often[each] <= most else "" for each in words]
 
 
