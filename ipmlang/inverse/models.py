@@ -28,6 +28,7 @@ from ipmlang.inverse.options import Options
 from ipmlang.inverse.parts.observation import Parts
 from ipmlang.inverse.report import Report, counted
 from ipmlang.inverse.split.assembly import flat
+from ipmlang.inverse.split.changing import without_wraps
 from ipmlang.inverse.split.comparison import Difference
 from ipmlang.inverse.split.explained import count_explained
 from ipmlang.inverse.split.homes import at_home
@@ -163,6 +164,7 @@ def _newly_said(goal: _Goal, scheme: Scheme, rounding: float, one_by_one: bool) 
     homes: dict[int, Frames] = {}
     if not one_by_one:
         scheme, homes = at_home(scheme, NOTHING * parts.diagonal)
+        scheme = without_wraps(scheme, NOTHING * parts.diagonal)
     printed = print_scheme(scheme, goal.axiom, Precision(room * parts.diagonal), one_by_one)
     terminals = {
         printed.names[number]: _at_home(parts.classes[symbol.part].mesh, homes.get(number))

@@ -36,6 +36,7 @@ from ipmlang.inverse.split.subdivisions import lattices
 
 BONUS = 8  # tokens that a split may cost more where cells repeat, and has to save where none do
 MOST = 2500  # contents weighed in one rule, and in all
+SIZED = 8  # tokens of `size(x, y, z)`, which what is cut and stands in no cell needs
 MOST_BARE = 8  # cells of a split of which none repeat
 EXACT = 0.5  # of what does not count: as near a symbol has to be to stand in a cell as it is
 
@@ -93,7 +94,10 @@ class Building:
     def _own_cost(self, symbol: Symbol) -> int:
         if isinstance(symbol, Terminal):
             return ASSET
-        return rule_tokens(symbol, self.small) - sum(map(bonus, symbol.items))
+        free = [item for item in symbol.items if not isinstance(item, Split | Octant)]
+        sized = {item.symbol for item in free if is_cut(self.made[item.symbol])}
+        own = rule_tokens(symbol, self.small) + SIZED * len(sized)
+        return own - sum(map(bonus, symbol.items))
 
     def cost(self, number: int) -> int:
         """Of a symbol and all that it needs and that is not free, where each terminal is at home in

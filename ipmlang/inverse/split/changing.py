@@ -9,6 +9,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import assert_never
 
+import numpy as np
+
 from ipmlang.inverse.frames import Floats, compose, moved_to
 from ipmlang.inverse.split.expansion import placements
 from ipmlang.inverse.split.scheme import (
@@ -21,6 +23,7 @@ from ipmlang.inverse.split.scheme import (
     Scheme,
     Split,
     Symbol,
+    Terminal,
 )
 
 
@@ -93,6 +96,39 @@ def needed(symbols: Sequence[Symbol], axiom: int) -> tuple[tuple[Symbol, ...], d
             symbol = replace(symbol, items=items)
         kept.append(symbol)
     return tuple(kept), numbers
+
+
+def without_wraps(scheme: Scheme, small: float) -> Scheme:
+    """The scheme with terminals in cells as they are, where a rule does nothing but place one at
+    its origin, or no further from it than `small`. Such rules stay among the symbols, and nothing
+    needs them.
+    """
+    alone = {
+        number: item.symbol
+        for number, symbol in enumerate(scheme.symbols)
+        if isinstance(symbol, Rule) and len(symbol.items) == 1
+        for item in symbol.items
+        if isinstance(item, Place) and _is_bare(item, small)
+        if isinstance(scheme.symbols[item.symbol], Terminal)
+    }
+    numbers = {number: alone.get(number, number) for number in range(len(scheme.symbols))}
+    symbols = tuple(
+        replace(symbol, items=tuple(
+            on_symbols(item, numbers) if isinstance(item, Split) else item
+            for item in symbol.items
+        ))
+        if isinstance(symbol, Rule)
+        else symbol
+        for symbol in scheme.symbols
+    )  # fmt: skip
+    return replace(scheme, symbols=symbols)
+
+
+def _is_bare(place: Place, small: float) -> bool:
+    frames = place.frames
+    upright = len(frames) == 1 and frames.rotation[0, 0] == 1.0 and frames.hand[0] > 0
+    at_origin = upright and frames.scale[0] == 1.0 and np.abs(frames.position).max() <= small
+    return bool(at_origin and place.stretch is None)
 
 
 def owned(scheme: Scheme) -> list[set[int]]:
