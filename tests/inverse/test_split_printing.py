@@ -74,8 +74,8 @@ def _agrees(scheme: Scheme, folder: Path, text: str, within: float) -> None:
         drawn = found[name].reshape(-1, 12)
         assert len(drawn) == len(wanted), text
         if len(wanted):
-            distance, index = cKDTree(drawn).query(wanted)
-            assert distance.max() <= within and len(set(index.tolist())) == len(wanted), text
+            distance, index = map(np.asarray, cKDTree(drawn).query(wanted))
+            assert distance.max() <= within and len(np.unique(index)) == len(wanted), text
 
 
 def _frames(random: np.random.Generator, count: int) -> Frames:
@@ -97,7 +97,7 @@ def _array(random: np.random.Generator, symbol: int) -> Array:
     for _ in range(int(random.integers(1, 4))):
         count = int(random.integers(2, 5))
         uneven = tuple(random.integers(1, 5, count - 1) / 2.0) if random.random() < 0.3 else ()
-        directions.append(Direction(count, random.integers(-2, 3, 3) + 0.25, uneven))
+        directions.append(Direction(count, random.integers(-2, 3, 3) * 1.0 + 0.25, uneven))
     counts = [each.count for each in directions]
     holes = {tuple(int(random.integers(0, n)) for n in counts) for _ in range(2)}
     kept = frozenset(holes) if random.random() < 0.5 else frozenset()
@@ -172,11 +172,11 @@ def _axiom(*items: Item) -> Scheme:
 
 def test_rows_and_rings_are_said_as_people_say_them() -> None:
     """Nothing that is nothing, signs where they belong."""
-    row = Array(0, moved_to([[1.0, 0, 0]]), (Direction(5, np.array([2.4, 0, 0])),))
+    row = Array(0, moved_to(np.array([[1.0, 0, 0]])), (Direction(5, np.array([2.4, 0, 0])),))
     assert "repeat(i < 5) { [translate(1 + 2.4 * i, 0, 0) brick] }" in _text(_axiom(row))
     back = Array(0, identity(), (Direction(3, np.array([-2.0, 0, 0])),))
     assert "[translate(-2 * i, 0, 0) brick]" in _text(_axiom(back))
-    ring = Ring(0, moved_to([[2.0, 0, 0]]), 12, np.zeros(3), np.array([0.0, 0, 1]), 30.0)
+    ring = Ring(0, moved_to(np.array([[2.0, 0, 0]])), 12, np.zeros(3), np.array([0.0, 0, 1]), 30.0)
     wanted = "repeat(i < 12) { [rotate(0, 0, 30 * i) translate(2, 0, 0) brick] }"
     assert wanted in _text(_axiom(ring))
 
