@@ -119,15 +119,17 @@ def _solved(tree: Tree, wanted: Aim, axis: int, knob: Knob) -> Tree | None:
     assert now is not None
     x, y = knob.value, now
     guess = x + 1 if knob.whole else (x * TRY if x else 0.1)
+    looking = True
     if not knob.whole and math.isclose(x, y, rel_tol=1e-9):
-        guess = aim  # the number is the size
-    first = guess
+        guess, looking = aim, False  # the number is the size
+    elif not knob.low <= guess <= knob.high:
+        guess = x - 1 if knob.whole else x / TRY
     far = RATHER * max(aim / y, y / aim) if y > 0 else RATHER
     for _ in range(STEPS):
         if x and not 1 / far <= abs(guess / knob.value) <= far:
             return None
         if not knob.low <= guess <= knob.high:
-            if guess != first:
+            if not looking:
                 wanted.refused.append(f"`{knob.where}` would have to be {guess:.6g}")
             return None
         made = _tried(knob, guess)
@@ -143,7 +145,7 @@ def _solved(tree: Tree, wanted: Aim, axis: int, knob: Knob) -> Tree | None:
             following = float(round(following))
         if following == guess or not math.isfinite(following):
             return None
-        x, y, guess = guess, size, following
+        x, y, guess, looking = guess, size, following, False
     return None
 
 

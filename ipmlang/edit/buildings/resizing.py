@@ -111,7 +111,9 @@ def _told(draft: Draft, refused: Sequence[str]) -> Draft:
     if not refused:
         return draft
     message = f"{refused[0]}, out of its range: places and sizes were changed instead"
-    return replace(draft, notes=(*draft.notes, Diagnostic("out-of-range", message, severity="warning")))
+    return replace(
+        draft, notes=(*draft.notes, Diagnostic("out-of-range", message, severity="warning"))
+    )
 
 
 def _alike(forms: Forms, found: list[Unit], wanted: Wanted, name: str) -> tuple[list[Unit], Floats]:

@@ -8,7 +8,7 @@ around a selection are opened, so are those whose parts meet others inside. Noth
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -121,12 +121,13 @@ def _shape(forms: Forms, unit: Unit) -> int:
     return unit[1] if unit[0] == "shape" else forms.owner(unit)
 
 
-def _gathered(forms: Forms, is_one: object, opened: set[int]) -> list[Unit]:
+def _gathered(forms: Forms, is_one: Callable[[int], bool], opened: set[int]) -> list[Unit]:
+    """The units that a tree falls into, in the order of the derivation."""
     units: list[Unit] = []
     waiting: list[Unit] = [("shape", 0)]
     while waiting:
         unit = waiting.pop()
-        if unit[0] == "terminal" or (unit[1] not in opened and is_one(unit[1])):  # type: ignore[operator]
+        if unit[0] == "terminal" or (unit[1] not in opened and is_one(unit[1])):
             units.append(unit)
         else:
             waiting += reversed(forms.parts(unit[1]))
