@@ -32,6 +32,7 @@ LOOP = 8  # `repeat(i < n) { … }`
 STEP = 4  # `+ d * i`
 TABLE = 6  # `table T(at) =`
 EXCEPT = 3  # `except (…)`
+ANCHOR = 2  # `scope.sz - 3` for a number
 AROUND = 3  # `[… A]`
 VECTOR = 6  # `translate(x, y, z)` without signs
 SPLIT = 4  # `split x { … }`
@@ -64,7 +65,7 @@ def item_tokens(item: Item, small: float) -> int:
     """Tokens of an item in a rule's body."""
     match item:
         case Place():
-            alone = placement_tokens(item.frames, small)
+            alone = placement_tokens(item.frames, small) + ANCHOR * len(item.anchors)
             if item.stretch is not None:
                 return int(alone.sum()) + stretch_tokens(item, small)
             return every_token(item.frames, alone, small)

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ipmlang.inverse.frames import Floats, compose, moved_to
+from ipmlang.inverse.split.anchoring import anchored
 from ipmlang.inverse.split.building import Building, bonus, is_cut, repeats
 from ipmlang.inverse.split.changing import begun_at, copies, needed, owned
 from ipmlang.inverse.split.contents import Contents, Kinds, contents, extents
@@ -24,7 +25,7 @@ from ipmlang.inverse.split.homes import at_home
 from ipmlang.inverse.split.matching import matched
 from ipmlang.inverse.split.scheme import Array, Item, Place, Ring, Rule, Scheme, Symbol, Terminal
 
-FOLLOWING = 8  # share of all tokens that may be spent on walls which follow their scope
+FOLLOWING = 5  # share of all tokens that may be spent on walls which follow their scope
 DEEPEST = 2  # times that the rules within a rule are opened before it is cut
 MOST = 2500  # rows of a rule that is cut
 NAMES = {0: "Bay", 1: "Row", 2: "Floor"}  # of cells that repeat along an axis, for a person
@@ -44,6 +45,7 @@ def as_splits(scheme: Scheme, small: float) -> Scheme:
     if saved <= 0:
         return scheme
     found = following(found, small, saved + scheme_tokens(found, small) // FOLLOWING)
+    found = anchored(found, small)
     return found if matched(expand(found), expand(scheme), 5 * small) else scheme
 
 

@@ -50,7 +50,7 @@ def following(scheme: Scheme, small: float, most: int) -> Scheme:
 
 
 def _offers(scheme: Scheme) -> Iterator[_Offer]:
-    changing, elsewhere = changing_axes(scheme), _in_other_scopes(scheme)
+    changing, elsewhere = changing_axes(scheme), in_other_scopes(scheme)
     for number, symbol in enumerate(scheme.symbols):
         if not isinstance(symbol, Rule) or number in elsewhere:
             continue
@@ -65,7 +65,7 @@ def _offers(scheme: Scheme) -> Iterator[_Offer]:
                         yield _Offer((number, order, cell), place, volume)
 
 
-def _in_other_scopes(scheme: Scheme) -> set[int]:
+def in_other_scopes(scheme: Scheme) -> set[int]:
     """Symbols that stand in cells whose size is not theirs."""
     found = set()
     for symbol in scheme.symbols:

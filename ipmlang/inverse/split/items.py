@@ -85,7 +85,7 @@ def item_elements(wording: Wording, rule: int, number: int, item: Item) -> list[
     """The elements that draw an item of a rule."""
     match item:
         case Place():
-            return _place(wording, item)
+            return _place(wording, item, wording.scheme.symbols[rule].size)
         case Array():
             return [_array(wording, item, (rule, number))]
         case Ring():
@@ -101,8 +101,13 @@ def item_elements(wording: Wording, rule: int, number: int, item: Item) -> list[
 # ------------------------------------------------------------------------- copies
 
 
-def _place(wording: Wording, place: Place) -> list[ast.Element]:
+def _place(wording: Wording, place: Place, scope: Floats) -> list[ast.Element]:
     found = spots(place.frames, wording.precision, float(wording.reach[place.symbol]))
+    for axis in place.anchors:
+        found = [
+            _from_end(wording, spot, axis, float(scope[axis] - position))
+            for spot, position in zip(found, place.frames.position[:, axis], strict=True)
+        ]
     if place.stretch is not None:
         sizes = _sizes(wording, place.stretch, place.margins)
         return [
@@ -110,11 +115,18 @@ def _place(wording: Wording, place: Place) -> list[ast.Element]:
             for spot, size in zip(found, sizes, strict=True)
         ]
     inner = wording.symbol(place.symbol)
-    if wording.one_by_one:
+    if wording.one_by_one or place.anchors:
         return [placed(spot, inner) for spot in found]
     elements, tables = cheapest(found, inner, wording.names[place.symbol], wording.given)
     wording.tables += tables
     return elements
+
+
+def _from_end(wording: Wording, spot: Spot, axis: int, distance: float) -> Spot:
+    """The spot with its place along an axis counted from the end of the scope."""
+    place = list(spot.place)
+    place[axis] = plus(ast.Name(EXTENTS[axis]), wording.precision.number(-distance))
+    return spot.at((place[0], place[1], place[2]))
 
 
 def _sizes(wording: Wording, stretch: Floats, margins: Floats | None) -> list[Vector]:
@@ -208,7 +220,7 @@ def _listed(wording: Wording, array: Array) -> list[ast.Element]:
     from ipmlang.inverse.split.expansion import placements
 
     symbol, frames = placements(array)[0]
-    return _place(wording, Place(symbol, frames))
+    return _place(wording, Place(symbol, frames), np.zeros(3))
 
 
 def _digit(passed: int, count: int, last: bool) -> ast.Expr:

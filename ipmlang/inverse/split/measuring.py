@@ -74,7 +74,7 @@ def in_cells(scheme: Scheme) -> set[int]:
 def _asks(item: Item) -> bool:
     """Whether what an item draws hangs on the scope."""
     return isinstance(item, Split | Octant) or (
-        isinstance(item, Place) and item.margins is not None
+        isinstance(item, Place) and (item.margins is not None or bool(item.anchors))
     )
 
 

@@ -33,13 +33,15 @@ class Place:
 
     stretch: (n, 3) the sizes its scope is stretched to, None where it keeps its own. margins:
     (n, 3) for sizes that follow the scope of the rule, by how much they are less than it along
-    each axis, not a number where they do not; only beside `stretch`.
+    each axis, not a number where they do not; only beside `stretch`. anchors: the axes along which
+    it keeps its distance from the far end of the rule's scope.
     """
 
     symbol: int
     frames: Frames
     stretch: Floats | None = None
     margins: Floats | None = None
+    anchors: frozenset[int] = frozenset()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

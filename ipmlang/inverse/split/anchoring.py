@@ -1,0 +1,96 @@
+"""What stands beyond the floors or bays that repeat keeps its distance from the far end.
+
+In go schemes with splits, out come the same with cornices, roofs and chimneys placed from the end
+of the scope where the scope is what a person changes to get more floors or bays. At the first size
+nothing is drawn otherwise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from ipmlang.inverse.frames import Floats, identity, spread
+from ipmlang.inverse.split.changing import on_symbols
+from ipmlang.inverse.split.expansion import placements
+from ipmlang.inverse.split.following import FEWEST, changing_axes, in_other_scopes
+from ipmlang.inverse.split.measuring import extents
+from ipmlang.inverse.split.scheme import Item, Octant, Place, Rule, Scheme, Split, Symbol
+
+_CORNERS = np.array([[k & 1, k >> 1 & 1, k >> 2] for k in range(8)], np.float64)
+
+
+def anchored(scheme: Scheme, small: float) -> Scheme:
+    """The scheme with what stands beyond cells that repeat anchored to the end; small: units by
+    which it may reach back.
+    """
+    changing, boxes, ends = changing_axes(scheme), extents(scheme), _ends(scheme)
+    elsewhere = in_other_scopes(scheme)
+    made: list[Symbol] = []
+    numbers: dict[int, int] = {}
+    for number, symbol in enumerate(scheme.symbols):
+        if isinstance(symbol, Rule):
+            items = [on_symbols(item, numbers) for item in symbol.items]
+            if changing[number].any() and number not in elsewhere:
+                limit = np.where(changing[number], ends[number], np.inf) - small
+                beyond = [_beyond(item, boxes, limit) for item in symbol.items]
+                items = list(_anchored(made, symbol, items, beyond))
+            symbol = replace(symbol, items=tuple(items))
+        numbers[number] = len(made)
+        made.append(symbol)
+    return replace(scheme, symbols=tuple(made))
+
+
+def _ends(scheme: Scheme) -> list[Floats]:
+    """(3,) for each symbol, where the last of the cells that repeat in it ends along each axis, in
+    its coordinates; infinite where none do.
+    """
+    found: list[Floats] = []
+    for symbol in scheme.symbols:
+        ends = np.full(3, -np.inf)
+        for split in symbol.items if isinstance(symbol, Rule) else ():
+            if isinstance(split, Split):
+                at = 0.0
+                for cell in split.cells:
+                    at += cell.length * cell.count
+                    if cell.count >= FEWEST:
+                        ends[split.axis] = max(ends[split.axis], at)
+                    if cell.symbol is not None:
+                        across = np.arange(3) != split.axis
+                        inner = np.where(
+                            np.isfinite(found[cell.symbol]), found[cell.symbol], -np.inf
+                        )
+                        ends = np.where(across, np.maximum(ends, inner), ends)
+        found.append(np.where(np.isfinite(ends), ends, np.inf))
+    return found
+
+
+def _beyond(item: Item, boxes: Floats, limit: Floats) -> frozenset[int]:
+    """The axes along which all that an item draws lies beyond a limit (3,)."""
+    if isinstance(item, Split | Octant):
+        return frozenset()
+    low = np.full(3, np.inf)
+    for symbol, frames in placements(item):
+        inner, outer = boxes[symbol]
+        corners = spread(frames, inner + _CORNERS * (outer - inner)).reshape(-1, 3)
+        low = np.minimum(low, corners.min(axis=0, initial=np.inf))
+    return frozenset(np.flatnonzero(low >= limit).tolist())
+
+
+def _anchored(
+    made: list[Symbol], rule: Rule, items: list[Item], beyond: list[frozenset[int]]
+) -> Iterator[Item]:
+    """The items of a rule; what is anchored alike and follows no scope is a rule of its own."""
+    groups: dict[frozenset[int], list[Item]] = {}
+    for item, axes in zip(items, beyond, strict=True):
+        if not axes:
+            yield item
+        elif isinstance(item, Place) and item.stretch is not None:
+            yield replace(item, anchors=axes)
+        else:
+            groups.setdefault(axes, []).append(item)
+    for axes, alike in groups.items():
+        made.append(Rule("Top" if axes == {2} else "End", rule.size, tuple(alike)))
+        yield Place(len(made) - 1, identity(), anchors=axes)
