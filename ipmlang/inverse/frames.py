@@ -68,8 +68,19 @@ def join(parts: Sequence[Frames]) -> Frames:
 
 def linear(frames: Frames) -> Floats:
     """(n, 3, 3) what frames do to directions."""
-    w, x, y, z = frames.rotation.T
-    turned = np.empty((len(frames), 3, 3))
+    turned = turns(frames.rotation)
+    turned *= frames.scale[:, None, None]
+    turned[:, :, 0] *= frames.hand[:, None]
+    return turned
+
+
+def turns(rotation: Floats) -> Floats:
+    """(n, 3, 3) matrices of unit quaternions (n, 4)."""
+    turned = np.zeros((len(rotation), 3, 3))
+    turned[:, 0, 0] = turned[:, 1, 1] = turned[:, 2, 2] = 1.0
+    if not rotation[:, 1:].any():
+        return turned
+    w, x, y, z = rotation.T
     turned[:, 0, 0] = 1 - 2 * (y * y + z * z)
     turned[:, 0, 1] = 2 * (x * y - w * z)
     turned[:, 0, 2] = 2 * (x * z + w * y)
@@ -79,8 +90,6 @@ def linear(frames: Frames) -> Floats:
     turned[:, 2, 0] = 2 * (x * z - w * y)
     turned[:, 2, 1] = 2 * (y * z + w * x)
     turned[:, 2, 2] = 1 - 2 * (x * x + y * y)
-    turned *= frames.scale[:, None, None]
-    turned[:, :, 0] *= frames.hand[:, None]
     return turned
 
 
@@ -116,14 +125,21 @@ def spread(frames: Frames, points: Floats) -> Floats:
 def compose(outer: Frames, inner: Frames) -> Frames:
     """Row by row, what `inner` places placed by `outer`; one row stands for as many as needed."""
     outer, inner = _matched(outer, inner)
-    turned = inner.rotation.copy()
-    turned[:, 2:] *= outer.hand[:, None]  # turns about y and z go the other way in a mirror
     return Frames(
         apply(outer, inner.position),
-        canonical(multiply(outer.rotation, turned)),
+        _turned(outer, inner),
         outer.hand * inner.hand,
         outer.scale * inner.scale,
     )
+
+
+def _turned(outer: Frames, inner: Frames) -> Floats:
+    """The turns of what `inner` turns turned by `outer`."""
+    if not outer.rotation[:, 1:].any() and (outer.hand > 0).all():
+        return canonical(inner.rotation)
+    turned = inner.rotation.copy()
+    turned[:, 2:] *= outer.hand[:, None]  # turns about y and z go the other way in a mirror
+    return canonical(multiply(outer.rotation, turned))
 
 
 def _matched(a: Frames, b: Frames) -> tuple[Frames, Frames]:

@@ -42,6 +42,7 @@ LIMIT = 1e-6  # share of the diagonal that any corner may be off
 ALIKE = 0.7  # share of the limit that equal parts may differ by; the rest is for rounding
 NOTHING = 1e-7  # share of the diagonal that does not count
 ROUNDINGS = (0.15, 0.03, 0.0003)  # shares of the limit that a number may be rounded by, in turn
+HOPE = 2.0  # times a rounding that an error beyond the limit may be due to it
 Up = Literal["auto", "y", "z"]
 
 
@@ -81,6 +82,8 @@ def grammar_of_model(
                 report = _report(goal, scheme, difference, options)
                 report = replace(report, tokens_flat=_tokens(written_out))
                 return Found(grammar, file.content, file.suffix, report)
+            if difference.error > (1 + HOPE * rounding) * limit * parts.diagonal:
+                break
     raise fail(
         "not-proven",
         f"no grammar was found that gives {path.name} back within {limit:g} of its diagonal",

@@ -15,11 +15,13 @@ from numpy.typing import NDArray
 from ipmlang.formats.mesh_types import Mesh, triangulated
 from ipmlang.inverse.frames import Floats, Integers
 
+BEYOND = 4.0  # times the limit up to which it is found out how far off a corner is
+
 
 @dataclass(frozen=True, slots=True)
 class Difference:
     """lost: faces of the first model that the second has not; new: the other way round; error: how
-    far a corner is from where it was, in units.
+    far a corner is from where it was, in units, infinite where that is far beyond the limit.
     """
 
     lost: int
@@ -49,7 +51,7 @@ def compare_models(source: Mesh, derived: Mesh, limit: float) -> Difference:
     places = np.unique(source.vertices[source.corners], axis=0)
     label, error = _nearest(places, derived.vertices[derived.corners], limit)
     if label is None:
-        return Difference(_count(source), _count(derived), float("inf"))
+        return Difference(_count(source), _count(derived), error)
     own, _ = _nearest(places, source.vertices[source.corners], limit)
     assert own is not None
     names = _material_numbers(source, derived)
@@ -84,7 +86,7 @@ def _cut(mesh: Mesh) -> Mesh:
 
 def _nearest(places: Floats, points: Floats, limit: float) -> tuple[Integers | None, float]:
     """The cluster of places (within `limit` of each other) that each point stands at, and how far
-    the farthest is from its place; None where one stands at none.
+    the farthest is from its place, up to some limits; None where one stands at none.
     """
     from scipy.spatial import cKDTree
 
@@ -92,11 +94,12 @@ def _nearest(places: Floats, points: Floats, limit: float) -> tuple[Integers | N
         return (None if len(points) != len(places) else np.zeros(0, np.int64)), 0.0
     unique, back = np.unique(points, axis=0, return_inverse=True)
     tree = cKDTree(places)
-    told = tree.query(unique, distance_upper_bound=limit * (1 + 1e-9))
+    told = tree.query(unique, distance_upper_bound=BEYOND * limit)
     distance, index = np.asarray(told[0], np.float64), np.asarray(told[1], np.int64)
-    if not np.isfinite(distance).all():
-        return None, float("inf")
-    return _clusters(tree, limit)[index][back.reshape(-1)], float(distance.max())
+    farthest = float(distance.max())
+    if farthest > limit * (1 + 1e-9):
+        return None, farthest
+    return _clusters(tree, limit)[index][back.reshape(-1)], farthest
 
 
 def _clusters(tree: object, limit: float) -> Integers:

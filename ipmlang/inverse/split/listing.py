@@ -74,4 +74,6 @@ def _group(own: Listing, rows: Integers) -> int:
 
 def every_token(frames: Frames, alone: Integers, small: float) -> int:
     """Tokens of all of a list."""
+    if len(frames) < FEWEST and not frames.rotation[:, 1:].any():
+        return int(alone.sum())
     return list_tokens(listing(frames, alone, small), np.arange(len(frames)))

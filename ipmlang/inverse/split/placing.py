@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ipmlang.compiler import ast
-from ipmlang.inverse.frames import Floats, Frames
+from ipmlang.inverse.frames import Floats, Frames, turns
 from ipmlang.inverse.numbers import shortest
 from ipmlang.inverse.split.wording import NOTHING, Vector, all_nothing, bracket, call
 
@@ -95,11 +95,9 @@ def euler_angles(rotation: Floats, small: float = WHOLE) -> Floats:
     """(n, 3) degrees about own x, then y, then z for quaternions (n, 4): of the two ways to say a
     turn the one with more zeros; small: degrees that are nothing.
     """
-    from scipy.spatial.transform import Rotation
-
-    if not len(rotation):
-        return np.zeros((0, 3))
-    first = _three_angles(Rotation.from_quat(rotation[:, [1, 2, 3, 0]]).as_matrix())
+    if not rotation[:, 1:].any():
+        return np.zeros((len(rotation), 3))
+    first = _three_angles(turns(rotation))
     second = np.stack([first[:, 0] + 180, 180 - first[:, 1], first[:, 2] + 180], axis=1)
     first, second = _settled(first, small), _settled(second, small)
     chosen = np.count_nonzero(second, axis=1) < np.count_nonzero(first, axis=1)
