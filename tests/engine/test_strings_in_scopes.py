@@ -182,3 +182,12 @@ def test_an_error_in_a_string_tells_the_way_to_it(rule: str) -> None:
     with pytest.raises(ipmlang.IpmError) as caught:
         run(text + "start Lot on box(3, 1, 0)\n")
     assert caught.value.diagnostics[0].trail == "start > Lot > House[0] > P > A"
+
+
+@pytest.mark.parametrize("last", ["polygon { }", "nil", "polygon { F(1) }", "f(2)"])
+def test_strings_that_draw_nothing_stand_among_others(last: str) -> None:
+    scene = run(
+        "Lot --> split x { 1: [Q(split.index)] | 2: [Q(split.index)] | ~1: [Q(split.index)] }\n"
+        f"Q(n) : n < 1 --> F(1) [P]\nQ(n) : else --> P\nP --> {last}\nstart Lot on box(8, 1, 0)\n"
+    )
+    assert scene.instances.position.tolist() == [[0, 0, 0]]

@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from ipmlang.runtime.frontier import Frontier
 
 Numbers = NDArray[np.int64]
+Floats = NDArray[np.float64]
 PLACE = ("x", "y", "z")
 TURN = ("w", "i", "j", "k")
 PENS = ("width", "color", *TEXT_FIELDS)  # a colour is for fill and stroke, which come after it
@@ -163,7 +164,8 @@ def _drawn(
     owner: Numbers,
 ) -> None:
     """Hand what the strings drew to the frontier, each where its shape stands in the order."""
-    columns = _columns(run, state, rows, owner)
+    inherited = {name: full(each, shapes.count) for name, each in state.items()}
+    columns = _columns(inherited, rows, owner)
     sizes = [np.where(rows.asset == SCOPE, columns[name], own)
              for name, own in zip(SIZES, rows.size.T, strict=True)]  # fmt: skip
     shown = np.flatnonzero((rows.asset != SCOPE) | (columns["geo"] != NOTHING))
@@ -185,11 +187,9 @@ def _drawn(
     run.order.records.append(Record(shapes.numbers, (Drawings(counts, owner[shown], slots),)))
 
 
-def _columns(
-    run: Frontier, state: dict[str, Column], rows: Rows, owner: Numbers
-) -> dict[str, Column]:
+def _columns(state: dict[str, Floats], rows: Rows, owner: Numbers) -> dict[str, Column]:
     """The fields of what was drawn: those of the turtle, and all others as its shape has them."""
-    found = {name: full(state[name], int(owner.max(initial=-1)) + 1)[owner] for name in state}
+    found: dict[str, Column] = {name: each[owner] for name, each in state.items()}
     own = dict(zip((*PLACE, *TURN), (*rows.position.T, *rows.rotation.T), strict=True))
     own |= {"scale": rows.scale, "layer": rows.layer, "color": rows.color, "width": rows.width}
     own |= rows.texts
