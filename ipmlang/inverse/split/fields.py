@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ipmlang.inverse.frames import Floats, Integers
+from ipmlang.inverse.frames import Floats, Frames, Integers, linear
 from ipmlang.inverse.split.drafts import Draft, boxes, points
-from ipmlang.inverse.split.figures import misses
 from ipmlang.inverse.split.snapping import Flags, members
 
 if TYPE_CHECKING:
@@ -27,7 +26,8 @@ SAME = 4  # rows that may share a center
 @dataclass(frozen=True, slots=True, eq=False)
 class Field:
     """points: (n, 4, 3) probes; spots: (n, 4) centers and what must be equal, for the tree;
-    begin (n + 1,), near: the neighbours of row i are near[begin[i]:begin[i + 1]].
+    begin (n + 1,), near: the neighbours of row i are near[begin[i]:begin[i + 1]]; images: of all
+    figures that have as many, `round` says how many each has and `number` which are its own.
     """
 
     draft: Draft
@@ -36,11 +36,15 @@ class Field:
     apart: float
     begin: Integers
     near: Integers
+    images: dict[int, Floats]
+    round: Integers
+    number: Integers
 
     def around(self, rows: Integers) -> Integers:
         """Rows near to any of these, in order, these left out."""
-        found = [self.near[self.begin[row] : self.begin[row + 1]] for row in rows.tolist()]
-        return np.setdiff1d(np.concatenate([*found, np.zeros(0, np.int64)]), rows)
+        count = self.begin[rows + 1] - self.begin[rows]
+        first = np.repeat(self.begin[rows] - np.cumsum(count) + count, count)
+        return np.setdiff1d(self.near[first + np.arange(len(first))], rows)
 
 
 def field_of(draft: Draft) -> Field:
@@ -53,7 +57,7 @@ def field_of(draft: Draft) -> Field:
     key = draft.body * len(draft.figures) + draft.symbol
     tree = cKDTree(np.concatenate([placed[:, 0], apart * key[:, None]], axis=1))
     begin, near = _neighbours(draft, placed[:, 0], apart)
-    return Field(draft, placed, tree, apart, begin, near)
+    return Field(draft, placed, tree, apart, begin, near, *_images(draft))
 
 
 def look_up(
@@ -69,8 +73,7 @@ def look_up(
     ask, rank = np.nonzero(near < len(field.draft))
     row = near[ask, rank]
     good = agree(field, row, wanted[ask], error)
-    for each, hit in zip(ask[good][::-1].tolist(), row[good][::-1].tolist(), strict=True):
-        found[each] = hit
+    found[ask[good][::-1]] = row[good][::-1]  # the nearest is written last
     return found
 
 
@@ -78,11 +81,44 @@ def agree(field: Field, rows: Integers, wanted: Floats, error: float) -> Flags:
     """(p,) whether rows stand as probes (p, 4, 3) say, up to their symbols' symmetry."""
     good = np.zeros(len(rows), np.bool_)
     symbol = field.draft.symbol[rows]
-    for each in np.unique(symbol).tolist():
-        own = np.nonzero(symbol == each)[0]
-        shape = field.draft.figures[each]
-        good[own] = misses(shape, wanted[own], field.draft.frames[rows[own]])[0] <= error
+    many, number = field.round[symbol], field.number[symbol]
+    for each, images in field.images.items():
+        own = np.nonzero(many == each)[0]
+        if len(own):
+            frames = field.draft.frames[rows[own]]
+            good[own] = _off(images, number[own], wanted[own], frames) <= error
     return good
+
+
+def _off(images: Floats, number: Integers, wanted: Floats, frames: Frames) -> Floats:
+    """(n,) how far probes at (n, 4, 3) are from those of frames; images: (f, s, 4, 3) of symbols,
+    of which row i is that of `number[i]`.
+    """
+    count, many = len(number), images.shape[1]
+    step = max(1, 200_000 // many)
+    found = []
+    for begin in range(0, count, step):
+        rows = slice(begin, begin + step)
+        inner = images[number[rows]].reshape(-1, 4 * many, 3)
+        outer = inner @ linear(frames[rows]).transpose(0, 2, 1)
+        away = outer.reshape(-1, many, 4, 3) + frames.position[rows, None, None]
+        away -= wanted[rows, None]
+        found.append(np.einsum("nskj,nskj->nsk", away, away).max(axis=2).min(axis=1))
+    return np.sqrt(np.concatenate(found))
+
+
+def _images(draft: Draft) -> tuple[dict[int, Floats], Integers, Integers]:
+    """The images of all figures by how many they have; for each figure that number, and its place
+    there.
+    """
+    many = np.array([len(shape.symmetry) for shape in draft.figures], np.int64)
+    number = np.zeros(len(many), np.int64)
+    images = {}
+    for each in np.unique(many).tolist():
+        own = np.nonzero(many == each)[0]
+        number[own] = np.arange(len(own))
+        images[each] = np.stack([draft.figures[index].images for index in own.tolist()])
+    return images, many, number
 
 
 def _neighbours(draft: Draft, center: Floats, apart: float) -> tuple[Integers, Integers]:

@@ -76,8 +76,11 @@ class _Growth:
 
     def join(self, index: int) -> bool:
         """Take known row `index` in, unless two occurrences would have to share."""
-        used = set(self.rows().ravel().tolist()) if self.joined else set()
-        fits = np.array([hit >= 0 and hit not in used for hit in self.hits[index].tolist()])
+        taken = np.zeros(len(self.around.draft) + 1, np.bool_)
+        taken[-1] = True
+        if self.joined:
+            taken[self.rows()] = True
+        fits = ~taken[self.hits[index]]
         kept = self.of[fits]
         if len(np.unique(kept)) < self.of[-1] + 1:
             return False
