@@ -15,7 +15,7 @@ import numpy as np
 from ipmlang.inverse.frames import Floats, identity, spread
 from ipmlang.inverse.split.changing import on_symbols
 from ipmlang.inverse.split.expansion import placements
-from ipmlang.inverse.split.following import FEWEST, changing_axes, in_other_scopes
+from ipmlang.inverse.split.following import changing_axes, in_other_scopes, repeated_ranges
 from ipmlang.inverse.split.measuring import extents
 from ipmlang.inverse.split.scheme import Item, Octant, Place, Rule, Scheme, Split, Symbol
 
@@ -26,7 +26,7 @@ def anchored(scheme: Scheme, small: float) -> Scheme:
     """The scheme with what stands beyond cells that repeat anchored to the end; small: units by
     which it may reach back.
     """
-    changing, boxes, ends = changing_axes(scheme), extents(scheme), _ends(scheme)
+    changing, boxes, ranges = changing_axes(scheme), extents(scheme), repeated_ranges(scheme)
     elsewhere = in_other_scopes(scheme)
     made: list[Symbol] = []
     numbers: dict[int, int] = {}
@@ -34,37 +34,15 @@ def anchored(scheme: Scheme, small: float) -> Scheme:
         if isinstance(symbol, Rule):
             items = [on_symbols(item, numbers) for item in symbol.items]
             if changing[number].any() and number not in elsewhere:
-                limit = np.where(changing[number], ends[number], np.inf) - small
+                end = ranges[number][1]
+                known = changing[number] & np.isfinite(end)
+                limit = np.where(known, end - small, np.inf)
                 beyond = [_beyond(item, boxes, limit) for item in symbol.items]
                 items = list(_anchored(made, symbol, items, beyond))
             symbol = replace(symbol, items=tuple(items))
         numbers[number] = len(made)
         made.append(symbol)
     return replace(scheme, symbols=tuple(made))
-
-
-def _ends(scheme: Scheme) -> list[Floats]:
-    """(3,) for each symbol, where the last of the cells that repeat in it ends along each axis, in
-    its coordinates; infinite where none do.
-    """
-    found: list[Floats] = []
-    for symbol in scheme.symbols:
-        ends = np.full(3, -np.inf)
-        for split in symbol.items if isinstance(symbol, Rule) else ():
-            if isinstance(split, Split):
-                at = 0.0
-                for cell in split.cells:
-                    at += cell.length * cell.count
-                    if cell.count >= FEWEST:
-                        ends[split.axis] = max(ends[split.axis], at)
-                    if cell.symbol is not None:
-                        across = np.arange(3) != split.axis
-                        inner = np.where(
-                            np.isfinite(found[cell.symbol]), found[cell.symbol], -np.inf
-                        )
-                        ends = np.where(across, np.maximum(ends, inner), ends)
-        found.append(np.where(np.isfinite(ends), ends, np.inf))
-    return found
 
 
 def _beyond(item: Item, boxes: Floats, limit: Floats) -> frozenset[int]:

@@ -25,7 +25,7 @@ from ipmlang.inverse.split.homes import at_home
 from ipmlang.inverse.split.matching import matched
 from ipmlang.inverse.split.scheme import Array, Item, Place, Ring, Rule, Scheme, Symbol, Terminal
 
-FOLLOWING = 5  # share of all tokens that may be spent on walls which follow their scope
+FOLLOWING = 3  # share of all tokens that may be spent on walls which follow their scope
 DEEPEST = 2  # times that the rules within a rule are opened before it is cut
 MOST = 2500  # rows of a rule that is cut
 NAMES = {0: "Bay", 1: "Row", 2: "Floor"}  # of cells that repeat along an axis, for a person

@@ -19,7 +19,7 @@ from ipmlang.inverse.split.cost import HEAD, item_tokens
 from ipmlang.inverse.split.scheme import Item, Place, Rule, Scheme, Split, Symbol, Terminal
 
 FEWEST = 3  # cells that repeat so often are what a person would have more or fewer of
-SPANNED = 0.9  # of a scope, by what follows it
+SPANNED = 0.9  # of the cells that repeat in a scope, by what follows it
 ALIKE = 1e-9  # of their size, that scopes may differ by and are the same
 Axes = NDArray[np.bool_]
 
@@ -51,6 +51,7 @@ def following(scheme: Scheme, small: float, most: int) -> Scheme:
 
 def _offers(scheme: Scheme) -> Iterator[_Offer]:
     changing, elsewhere = changing_axes(scheme), in_other_scopes(scheme)
+    ranges = repeated_ranges(scheme)
     for number, symbol in enumerate(scheme.symbols):
         if not isinstance(symbol, Rule) or number in elsewhere:
             continue
@@ -58,7 +59,9 @@ def _offers(scheme: Scheme) -> Iterator[_Offer]:
             for cell, scope, axes, frames, inner in _alone(symbol, item, changing[number]):
                 terminal = scheme.symbols[inner]
                 if isinstance(terminal, Terminal):
-                    margins = _margins(terminal, frames, scope, axes)
+                    whole = np.stack([np.zeros(3), scope])
+                    span = np.where(np.isfinite(ranges[number]), ranges[number], whole)
+                    margins = _margins(terminal, frames, scope, axes, span)
                     place = Place(inner, frames, terminal.size[None], margins[None])
                     if np.isfinite(margins).any():
                         volume = float(np.prod(terminal.size + 1e-3 * terminal.size.max()))
@@ -96,14 +99,40 @@ def _alone(rule: Rule, item: Item, axes: Axes) -> Iterator[tuple[int, Floats, Ax
                 yield order, scope, own, identity(), cell.symbol
 
 
-def _margins(terminal: Terminal, frames: Frames, scope: Floats, axes: Axes) -> Floats:
-    """By how much a terminal is less than the scope that it spans; not a number where it does not
-    or where the scope stays as it is.
+def _margins(
+    terminal: Terminal, frames: Frames, scope: Floats, axes: Axes, repeated: Floats
+) -> Floats:
+    """By how much a terminal is less than the scope along axes where it spans the cells that
+    repeat (2, 3); not a number where it does not or where the scope stays as it is.
     """
-    spans = terminal.size >= SPANNED * scope
-    beside = np.maximum(-frames.position[0], frames.position[0] + terminal.size - scope)
+    low, high = frames.position[0], frames.position[0] + terminal.size
+    slack = (1 - SPANNED) * (repeated[1] - repeated[0])
+    spans = (low <= repeated[0] + slack) & (high >= repeated[1] - slack)
+    beside = np.maximum(-low, high - scope)
     near = beside <= (1 - SPANNED) * scope
     return np.where(axes & spans & near & (scope > 0), scope - terminal.size, np.nan)
+
+
+def repeated_ranges(scheme: Scheme) -> list[Floats]:
+    """(2, 3) for each symbol, from where to where cells repeat in it along each axis, in its
+    coordinates; infinite where none do.
+    """
+    found: list[Floats] = []
+    for symbol in scheme.symbols:
+        low, high = np.full(3, np.inf), np.full(3, -np.inf)
+        for split, along in _splits(symbol):
+            at = 0.0
+            for cell in split.cells:
+                begin, at = at, at + cell.length * cell.count
+                if cell.count >= FEWEST:
+                    low = np.where(along, np.minimum(low, begin), low)
+                    high = np.where(along, np.maximum(high, at), high)
+                if cell.symbol is not None:
+                    inner = found[cell.symbol]
+                    low = np.where(along, low, np.minimum(low, inner[0]))
+                    high = np.where(along, high, np.maximum(high, inner[1]))
+        found.append(np.stack([low, high]))
+    return found
 
 
 def changing_axes(scheme: Scheme) -> list[Axes]:
@@ -117,12 +146,31 @@ def changing_axes(scheme: Scheme) -> list[Axes]:
                 grown[number] |= along & (cell.count >= FEWEST)
                 if cell.symbol is not None:
                     grown[number] |= ~along & grown[cell.symbol]
+    for number in _standing_in_cells(scheme):
+        grown[number] = np.zeros(3, np.bool_)
     for number in range(scheme.axiom, -1, -1):
         for split, along in _splits(scheme.symbols[number]):
             for cell in split.cells:
                 if cell.symbol is not None:
                     grown[cell.symbol] = grown[cell.symbol] | (~along & grown[number])
     return grown
+
+
+def _standing_in_cells(scheme: Scheme) -> set[int]:
+    """The symbols whose scope is theirs to say nowhere."""
+    cells = {
+        cell.symbol
+        for symbol in scheme.symbols
+        for split, _ in _splits(symbol)
+        for cell in split.cells
+    }
+    free = {
+        item.symbol
+        for symbol in scheme.symbols
+        for item in (symbol.items if isinstance(symbol, Rule) else ())
+        if not isinstance(item, Split)
+    }
+    return {number for number in cells if number is not None} - free
 
 
 def _splits(symbol: Symbol) -> Iterator[tuple[Split, Axes]]:
