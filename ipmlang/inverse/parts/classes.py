@@ -13,7 +13,8 @@ import numpy as np
 
 from ipmlang.formats.distinct import distinct_rows
 from ipmlang.inverse.frames import Floats, Integers
-from ipmlang.inverse.parts.aligning import aligned, turns
+from ipmlang.inverse.parts.aligning import aligned
+from ipmlang.inverse.parts.averaging import Placed, averaged, decimals_of
 from ipmlang.inverse.parts.copies import Model, stacked
 from ipmlang.inverse.parts.invariants import alike, centers
 from ipmlang.inverse.parts.pieces import Pieces
@@ -28,8 +29,10 @@ _TOGETHER = 500
 @dataclass(frozen=True, slots=True, eq=False)
 class ShapeClass:
     """Equal parts. rows (k,): which; model: the row that stands for all; linear (k, 3, 3): from the
-    model to each, about their centres; symmetry (s, 3, 3): of the model about its centre; whole:
-    whether that is all of it; misfit (k,).
+    shape to each, about their centres; symmetry (s, 3, 3): of the shape about its centre; whole:
+    whether that is all of it; misfit (k,); shape (v, 3): the corners that stand for all, from the
+    model's centre and in its order, None for its own; shift (k, 3): what members are moved by
+    beside their centres.
     """
 
     rows: Integers
@@ -38,6 +41,8 @@ class ShapeClass:
     symmetry: Floats
     whole: bool
     misfit: Floats
+    shape: Floats | None
+    shift: Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,8 +96,10 @@ def _lone_classes(
 
 
 def _lone_class(row: int, own: SelfMaps) -> ShapeClass:
-    alone = np.array([row], np.int64)
-    return ShapeClass(alone, int(row), np.eye(3)[None], own.linear, own.whole, np.zeros(1))
+    alone, still = np.array([row], np.int64), np.eye(3)[None]
+    return ShapeClass(
+        alone, int(row), still, own.linear, own.whole, np.zeros(1), None, np.zeros((1, 3))
+    )
 
 
 def _first_class(
@@ -104,37 +111,53 @@ def _first_class(
     own = self_maps(model, MOST_SYMMETRY)[0]
     alignment = aligned(model, copies)
     members = np.flatnonzero(alignment.found)
-    points = np.take_along_axis(copies.points[members], alignment.places[members][..., None], 1)
-    fitted = _Fitted(points, alignment.linear[members])
-    return _settled(model, own, fitted, rows[members]), rows[~alignment.found]
+    order = alignment.places[members]
+    points = np.take_along_axis(copies.points[members], order[..., None], 1)
+    fitted = _Fitted(points, order, alignment.linear[members])
+    return _settled(pieces, center, model, own, fitted, rows[members]), rows[~alignment.found]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Fitted:
-    """Members on the model: points (k, v, 3), those of each that stand for the model's; linear
-    (k, 3, 3), what brings the model's there.
+    """Members on the model: points (k, v, 3), those of each that stand for the model's; order
+    (k, v): which these are; linear (k, 3, 3), what brings the model's there.
     """
 
     points: Floats
+    order: Integers
     linear: Floats
 
 
-def _settled(model: Model, own: SelfMaps, members: _Fitted, rows: Integers) -> ShapeClass:
-    """The class with the member that stands best for all, and the plainest maps from it."""
+def _settled(
+    pieces: Pieces, center: Floats, model: Model, own: SelfMaps, members: _Fitted, rows: Integers
+) -> ShapeClass:
+    """The class with the member that stands best for all, made the mean of all, and the plainest
+    maps from it.
+    """
     near = model.tolerance / max(float(np.abs(model.copies.points).max()), 1e-300)
     first = _plainest(members, own.linear, own.places, near)
     chosen = _representative(first, model.tolerance)
     outward = first.linear[chosen]
-    symmetry = outward @ own.linear @ outward.T
-    from_chosen = _Fitted(first.points, first.linear @ outward.T)
+    symmetry = snapped(outward @ own.linear @ outward.T, near)
+    from_chosen = _Fitted(first.points, first.order, first.linear @ outward.T)
     last = _plainest(from_chosen, symmetry, own.places, near)
-    linear, misfit = _exact(last, first.points[chosen], near, model.tolerance)
-    return ShapeClass(rows, int(rows[chosen]), linear, symmetry, own.whole, misfit)
+    row = int(rows[chosen])
+    corners = slice(pieces.vertex_start[row], pieces.vertex_start[row + 1])
+    decimals = decimals_of(pieces.vertices[corners])
+    placed = Placed(center[rows], last.points, last.linear, symmetry, own.places)
+    fit = averaged(placed, chosen, decimals, model.tolerance)
+    shape = None
+    if not np.array_equal(fit.shape, last.points[chosen]):
+        shape = np.empty_like(fit.shape)
+        shape[last.order[chosen]] = fit.shape
+    return ShapeClass(rows, row, fit.linear, symmetry, own.whole, fit.misfit, shape, fit.shift)
 
 
 def _plainest(members: _Fitted, symmetry: Floats, places: Integers, near: float) -> _Fitted:
     linear, which = plainest(members.linear, symmetry, near)
-    return _Fitted(np.take_along_axis(members.points, places[which][..., None], 1), linear)
+    chosen = places[which]
+    points = np.take_along_axis(members.points, chosen[..., None], 1)
+    return _Fitted(points, np.take_along_axis(members.order, chosen, 1), linear)
 
 
 def _representative(members: _Fitted, tolerance: float) -> int:
@@ -150,22 +173,3 @@ def _representative(members: _Fitted, tolerance: float) -> int:
     apart = np.linalg.norm(laid - laid.mean(axis=0), axis=2).max(axis=1)
     apart = np.rint(apart / (tolerance / 4))
     return int(np.lexsort([np.arange(len(box)), apart, box, -often])[0])
-
-
-def _exact(members: _Fitted, model: Floats, near: float, tolerance: float) -> tuple[Floats, Floats]:
-    """Whole numbers where they hold, else the maps of least squares; and what is left (k,)."""
-    own = np.broadcast_to(model, members.points.shape)
-    sign = np.sign(np.linalg.det(members.linear))
-    linear, misfit = members.linear, _misfit(members.points, members.linear, model)
-    for other in (turns(own, members.points, sign), snapped(linear, near)):
-        off = _misfit(members.points, other, model)
-        snap = np.abs(other - np.rint(other)).max(axis=(1, 2)) == 0
-        better = (off < misfit) | (snap & (off <= tolerance))
-        linear = np.where(better[:, None, None], other, linear)
-        misfit = np.where(better, off, misfit)
-    return linear, misfit
-
-
-def _misfit(points: Floats, linear: Floats, model: Floats) -> Floats:
-    off = points - model @ linear.transpose(0, 2, 1)
-    return np.asarray(np.sqrt(np.einsum("kvi,kvi->kv", off, off).max(axis=1, initial=0.0)))

@@ -159,19 +159,19 @@ def _told(soup: Soup, pieces: Pieces, found: Classes, diagonal: float, stem: str
     matrix = np.zeros((len(pieces), 3, 4))
     misfit = np.zeros(len(pieces))
     for each in found.classes:
-        lever = low[each.model] - found.center[each.model]
+        lever = _lever(each, found, low)
         matrix[each.rows, :, :3] = each.linear
-        matrix[each.rows, :, 3] = found.center[each.rows] + each.linear @ lever
+        matrix[each.rows, :, 3] = found.center[each.rows] + each.shift + each.linear @ lever
         misfit[each.rows] = each.misfit
     paths = _paths(soup, pieces)
-    meshes = [_own_mesh(soup.mesh, pieces, each.model, low) for each in found.classes]
+    meshes = [_own_mesh(soup.mesh, pieces, each, low) for each in found.classes]
     names = class_names([each.rows for each in found.classes], meshes, paths, stem)
     classes = tuple(
         PartClass(
             name,
             mesh,
-            high[each.model] - low[each.model],
-            from_matrices(_about(each.symmetry, found.center[each.model] - low[each.model])),
+            np.ptp(mesh.vertices, axis=0),
+            from_matrices(_about(each.symmetry, -_lever(each, found, low))),
             each.rows,
         )
         for name, mesh, each in zip(names, meshes, found.classes, strict=True)
@@ -193,9 +193,19 @@ def _told(soup: Soup, pieces: Pieces, found: Classes, diagonal: float, stem: str
     )
 
 
-def _own_mesh(mesh: Mesh, pieces: Pieces, part: int, low: Floats) -> Mesh:
-    own = piece_mesh(pieces, part, mesh)
-    return replace(own, vertices=own.vertices - low[part])
+def _lever(each: ShapeClass, found: Classes, low: Floats) -> Floats:
+    """The lowest corner of a class's shape from its centre."""
+    if each.shape is None:
+        return np.asarray(low[each.model] - found.center[each.model])
+    return np.asarray(each.shape.min(axis=0))
+
+
+def _own_mesh(mesh: Mesh, pieces: Pieces, each: ShapeClass, low: Floats) -> Mesh:
+    """The faces of a class's model over the corners that stand for all, from the lowest."""
+    own = piece_mesh(pieces, each.model, mesh)
+    if each.shape is None:
+        return replace(own, vertices=own.vertices - low[each.model])
+    return replace(own, vertices=each.shape - each.shape.min(axis=0))
 
 
 def _about(linear: Floats, center: Floats) -> Floats:

@@ -15,6 +15,8 @@ _BATCH = 200_000  # maps compared at a time
 _TIES = np.array([0.0713, -0.0279, 0.0131, 1.0, 0.0337, -0.143, 0.0173, 0.317, 0.0531])
 """Weights of a map's entries that tell equally plain ones apart: turns to the left come first."""
 
+_PLAIN_TURN = np.pi / 24
+
 
 def plainest(linear: Floats, symmetry: Floats, near: float) -> tuple[Floats, Integers]:
     """For each map (k, 3, 3) the plainest of its products with the symmetry (s, 3, 3), and which
@@ -57,3 +59,23 @@ def snapped(linear: Floats, near: float) -> Floats:
     close = np.abs(linear - whole).max(axis=(1, 2)) < max(near, 1e-9)
     proper = np.abs(np.abs(np.linalg.det(whole)) - 1) < 0.5
     return np.where((close & proper)[:, None, None], whole, linear)
+
+
+def turned_plainly(linear: Floats, near: float) -> Floats:
+    """Maps whose turns are about an axis by a multiple of 7.5 degrees where they nearly are."""
+    hand = np.sign(np.linalg.det(linear))
+    turn = linear.copy()
+    turn[:, :, 0] *= hand[:, None]
+    plain = linear.copy()
+    for axis in range(3):
+        one, two = (axis + 1) % 3, (axis + 2) % 3
+        angle = np.arctan2(turn[:, two, one], turn[:, one, one])
+        angle = np.rint(angle / _PLAIN_TURN) * _PLAIN_TURN
+        made = np.zeros_like(turn)
+        made[:, axis, axis] = 1.0
+        made[:, one, one] = made[:, two, two] = np.cos(angle)
+        made[:, two, one], made[:, one, two] = np.sin(angle), -np.sin(angle)
+        close = np.abs(made - turn).max(axis=(1, 2)) < max(near, 1e-9)
+        made[:, :, 0] *= hand[:, None]
+        plain = np.where(close[:, None, None], made, plain)
+    return plain
