@@ -12,6 +12,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
+import numpy as np
+
 from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.compiler.format import format_grammar
@@ -22,7 +24,7 @@ from ipmlang.formats.mesh_types import Mesh, moved
 from ipmlang.formats.numbers import decimals_for
 from ipmlang.inverse.drawings import unreadable
 from ipmlang.inverse.found import Found
-from ipmlang.inverse.frames import Frames, matrices
+from ipmlang.inverse.frames import Frames, canonical, compose, identity, matrices
 from ipmlang.inverse.naming import capital, word
 from ipmlang.inverse.options import Options
 from ipmlang.inverse.parts.observation import Parts
@@ -126,11 +128,13 @@ def _tokens(grammar: ast.Grammar) -> int:
 
 
 def observed(path: Path, up: Up, limit: float) -> tuple[Parts, Mesh]:
-    """The parts of a model, and all its faces as they were read, z up."""
+    """The parts of a model in its own axes, and all its faces as they were read, z up."""
     from ipmlang.inverse.parts import observe_with_faces
 
     try:
-        return observe_with_faces(path, up=up, within=ALIKE * limit, same_triangles=True)
+        return observe_with_faces(
+            path, up=up, within=ALIKE * limit, same_triangles=True, own_axes=True
+        )
     except FormatError as error:
         raise unreadable(path, error) from error
 
@@ -168,6 +172,7 @@ def _newly_said(goal: _Goal, scheme: Scheme, rounding: float, one_by_one: bool) 
     if not one_by_one:
         scheme, homes = at_home(scheme, NOTHING * parts.diagonal)
         scheme = without_wraps(scheme, NOTHING * parts.diagonal)
+    scheme = replace(scheme, frame=compose(_askew(parts.turn), scheme.frame))
     printed = print_scheme(scheme, goal.axiom, Precision(room * parts.diagonal), one_by_one)
     terminals = {
         printed.names[number]: _at_home(parts.classes[symbol.part].mesh, homes.get(number))
@@ -175,6 +180,13 @@ def _newly_said(goal: _Goal, scheme: Scheme, rounding: float, one_by_one: bool) 
         if isinstance(symbol, Terminal)
     }
     return _Said(printed.items, terminals)
+
+
+def _askew(degrees: float) -> Frames:
+    """One frame that turns about the vertical."""
+    half = np.radians(degrees) / 2
+    turn = np.array([[np.cos(half), 0.0, 0.0, np.sin(half)]])
+    return replace(identity(), rotation=canonical(turn))
 
 
 def _at_home(mesh: Mesh, home: Frames | None) -> Mesh:

@@ -45,7 +45,8 @@ class Parts:
     of nodes, objects and groups that it stood under, outermost first, none where the file says
     nothing; misfit: (n,) largest distance of a vertex from where its frame puts it; diagonal: of
     the box of everything; up: which way was up in the file; triangles, vertices: as counted in the
-    file; source_bytes: of the file; notes: what was mended, split or left out.
+    file; source_bytes: of the file; notes: what was mended, split or left out; turn: degrees about
+    the vertical, to the left, by which all of it is to be turned to stand in the world.
     """
 
     shape: Integers
@@ -61,3 +62,4 @@ class Parts:
     vertices: int
     source_bytes: int
     notes: tuple[Note, ...] = ()
+    turn: float = 0.0

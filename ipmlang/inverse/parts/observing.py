@@ -18,6 +18,7 @@ from ipmlang.formats.drawing import Note
 from ipmlang.formats.mesh import read_meshes
 from ipmlang.formats.mesh_types import Mesh
 from ipmlang.inverse.frames import Floats, Integers, from_matrices
+from ipmlang.inverse.parts.axes import askew, straightened
 from ipmlang.inverse.parts.classes import MOST_SYMMETRY, Classes, ShapeClass, classified
 from ipmlang.inverse.parts.mending import sound
 from ipmlang.inverse.parts.naming import class_names
@@ -59,21 +60,28 @@ def observe_with_faces(
     within: float | None = None,
     keep_uv: bool = False,
     same_triangles: bool = False,
+    own_axes: bool = False,
 ) -> tuple[Parts, Mesh]:
     """The same, and all faces of the model in the world, z up, as they were read but for what was
     mended: what a proof compares with. same_triangles: where the file's faces allow it, copies
-    also have the triangles that a fan from the first corner cuts their faces into.
+    also have the triangles that a fan from the first corner cuts their faces into. own_axes: the
+    parts are given in the axes of the building, which stands turned by `Parts.turn`.
     """
     path = Path(path)
     scene = read_meshes(path)
     turned, guess = upward(path, scene, up)
     soup = gathered(scene, turned, unit)
+    turn = askew(soup.mesh) if own_axes else 0.0
+    if turn:
+        soup = replace(soup, mesh=straightened(soup.mesh, turn))
     reach = EXACT if within is None else within
     parts, mesh = _taken_apart(
         soup, reach, path.stem, keep_uv, (*scene.notes, *guess), same_triangles
     )
     up_in_file: Literal["y-up", "z-up"] = "y-up" if turned else "z-up"
-    return replace(parts, up=up_in_file, source_bytes=path.stat().st_size), mesh
+    mesh = straightened(mesh, -turn) if turn else mesh
+    source_bytes = path.stat().st_size
+    return replace(parts, up=up_in_file, turn=turn, source_bytes=source_bytes), mesh
 
 
 def parts_of(

@@ -104,7 +104,7 @@ def _off(images: Floats, number: Integers, wanted: Floats, frames: Frames) -> Fl
         away = outer.reshape(-1, many, 4, 3) + frames.position[rows, None, None]
         away -= wanted[rows, None]
         found.append(np.einsum("nskj,nskj->nsk", away, away).max(axis=2).min(axis=1))
-    return np.sqrt(np.concatenate(found))
+    return np.asarray(np.sqrt(np.concatenate(found)))
 
 
 def _images(draft: Draft) -> tuple[dict[int, Floats], Integers, Integers]:
