@@ -125,13 +125,16 @@ def _check_finite(
     order: list[Whole],
 ) -> None:
     """Refuse frames that grew out of the numbers, and name the first rule that draws there."""
-    bad = np.flatnonzero(~np.isfinite(frames.position).all(axis=1) | ~np.isfinite(frames.scale))
+    whole = np.column_stack((frames.position, frames.rotation, frames.scale))
+    bad = np.flatnonzero(~np.isfinite(whole).all(axis=1))
     if not len(bad):
         return
     number = int(rule[bad[0]])
     production = program.axiom if number < 0 else program.productions[number]
     name = told(program, production)
-    error = fail("not-a-number", f"{name} draws where the turtle's place or scale is not finite")
+    error = fail(
+        "not-a-number", f"{name} draws where the turtle's place, turn or scale is not finite"
+    )
     act, row = next(
         (act, int(np.argmax(rows == bad[0])))
         for act, rows in zip(acts, order, strict=True)

@@ -8,7 +8,7 @@ keys.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -46,6 +46,8 @@ if TYPE_CHECKING:
     from ipmlang.runtime.replay import Recording, Replay
 
 NARROW = 24  # so few shapes run one by one
+PLACES = ("x", "y", "z")
+TURNED = ("angle", "w", "i", "j", "k", "scale")
 FLAT = (SEGMENT, OUTLINE)  # what a turtle draws has no scope
 
 NOTHING = Made(0, 0, np.zeros(0, np.int64))
@@ -278,9 +280,12 @@ class Frontier(Trimming):
         return self.note(chunk)
 
     def check_drawn(self, chunk: Chunk) -> None:
-        """Stop at a size or a place that is not finite."""
-        places = [chunk.state[name] for name in ("x", "y", "z") if name in chunk.state]
-        for column in (*chunk.size, *places):
+        """Stop at a size, a place, a turn or a scale that is not finite."""
+        self._check_columns(chunk, (*chunk.size, *_some(chunk, PLACES)), "a size, or in a place,")
+        self._check_columns(chunk, _some(chunk, TURNED), "a turn, or a scale,")
+
+    def _check_columns(self, chunk: Chunk, columns: Iterable[Column], said: str) -> None:
+        for column in columns:
             if not np.isfinite(np.sum(column)):
                 wrong = np.flatnonzero(~np.isfinite(np.atleast_1d(column)))
                 if len(wrong):
@@ -288,7 +293,7 @@ class Frontier(Trimming):
                     what = "something of" if count == 1 else f"{count:,} things of"
                     raise self.counted.error(
                         "not-a-number",
-                        f"it would draw {what} a size, or in a place, that is not a finite number",
+                        f"it would draw {what} {said} that is not a finite number",
                         row=int(wrong[0]),
                     )
 
@@ -416,3 +421,8 @@ def _columns(values: Sequence[Column]) -> tuple[Column, ...]:
 
 def _chosen(column: Column, rows: NDArray[np.int64]) -> Column:
     return column[rows] if isinstance(column, np.ndarray) else column
+
+
+def _some(chunk: Chunk, names: Iterable[str]) -> list[Column]:
+    """Those of these fields that a chunk has."""
+    return [chunk.state[name] for name in names if name in chunk.state]

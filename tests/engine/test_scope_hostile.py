@@ -124,3 +124,18 @@ def corners(scene: Scene) -> list[bytes]:
     table = scene.instances
     own = np.asarray(table.shape)
     return [scene.solids[each].vertices.tobytes() for each in own.tolist() if each >= 0]
+
+
+@pytest.mark.parametrize("ground", ["", " on box(1, 1, 1)"])
+@pytest.mark.parametrize(
+    "body",
+    [
+        "+(sqrt(0 - 1)) F", "&(sqrt(0 - 1)) F", "at(0, 0, 0, 0, 0, 0, 0) F", "*(sqrt(0 - 1)) F",
+        "*(1e300) *(1e300) F", "size(1, 1, 1) rotate(sqrt(0 - 1), 0, 0) cube B",
+        "F [+(sqrt(0 - 1)) F cut F]", "at(0, 0, 0, 0, 0, 0, 0) F [F cut F]",
+    ],
+)  # fmt: skip
+def test_nothing_is_drawn_in_a_frame_of_no_numbers(body: str, ground: str) -> None:
+    grammar = ipmlang.parse(f"ipm 1\nP --> {body}\nstart P{ground}\n")
+    with pytest.raises(ipmlang.IpmError, match="finite"):
+        grammar.run()
