@@ -11,7 +11,7 @@ from inverse import solids
 from inverse.solids import Floats, box, lost, obj_text, regular, soup_of
 
 from ipmlang.formats import FormatError
-from ipmlang.formats.mesh_types import Mesh, moved
+from ipmlang.formats.mesh_types import Mesh, merged, moved
 from ipmlang.inverse.parts import observe, parts_of
 
 EXACT = 1e-6
@@ -137,6 +137,33 @@ def test_up_is_guessed_and_can_be_said(tmp_path: Path) -> None:
     assert observe(path).up == "z-up" and observe(path, up="y").up == "y-up"
     assert np.allclose(observe(path, unit=0.5).classes[0].size, [2, 1.5, 2.5])
     assert np.allclose(observe(path, up="y").classes[0].size, [4, 5, 3])
+
+
+def test_a_site_under_a_house_tells_what_is_up(tmp_path: Path) -> None:
+    """A plate that sticks out on all sides, across y or across z; with a cellar below it, so that
+    nothing ends at 0 but by chance. A wall as large as its side is no plate.
+    """
+    site = moved(box(20, 18, 0.2), at(-4, -5, -0.2))
+    house = [moved(box(10, 8, 5), at(0, 0, 0)), moved(box(3, 3, 2), at(2, 2, -2.4))]
+    z_up = merged([site, *house])
+    turn = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0]])
+    wall = merged([moved(box(10, 1, 5), at(1, 1, 1)), moved(box(2, 2, 1), at(3, 1, 6))])
+    for name, mesh, up in (
+        ("z", z_up, "z-up"),
+        ("y", moved(z_up, turn), "y-up"),
+        ("wall", moved(wall, turn), "y-up"),
+    ):
+        path = solids.written(tmp_path / f"{name}.obj", obj_text(mesh))
+        assert observe(path).up == up, name
+
+
+def test_names_of_building_models_tell_what_is_up(tmp_path: Path) -> None:
+    """An exchange format of architects in which z is up always."""
+    lifted = moved(box(4, 3, 5), at(-2, -1, 7))
+    text = obj_text(lifted)
+    assert observe(solids.written(tmp_path / "a.obj", text)).up == "y-up"
+    named = solids.written(tmp_path / "b.obj", f"o IfcWall_12\n{text}")
+    assert observe(named).up == "z-up"
 
 
 @pytest.mark.parametrize(
