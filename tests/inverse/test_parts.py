@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -146,6 +147,37 @@ def test_noisy_copies_within_a_tolerance(noise: float) -> None:
     largest = sum(sorted((len(each.members) for each in parts.classes), reverse=True)[:4])
     assert largest >= 0.99 * 400
     assert noise / 10 < parts.misfit.max() <= 6 * noise
+
+
+def test_the_shape_of_rounded_copies_is_their_mean() -> None:
+    """Copies in a ring, written with four decimals: each is nearer to the shape than two of them
+    are to each other, turns are plain, and what is level stays level.
+    """
+    made = []
+    for k in range(12):
+        angle = np.radians(30.0 * k)
+        cosine, sine = np.cos(angle), np.sin(angle)
+        turn = np.array([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]])
+        points = (chiral().vertices * 1.23457 + [10, 0, 0]) @ turn.T
+        made.append(replace(chiral(), vertices=np.round(points, 4)))
+    soup = soup_of(made)
+    parts = parts_of(soup, 3e-4 / parts_of(soup, EXACT).diagonal)
+    assert len(parts.classes) == 1
+    assert parts.misfit.max() < 6e-5
+    heights = parts.classes[0].mesh.vertices[:, 2]
+    assert len(np.unique(heights)) == len(np.unique(chiral().vertices[:, 2]))
+    w, x, y, z = parts.frames.rotation.T
+    turned = np.degrees(2 * np.arctan2(z, w))
+    assert np.allclose([x, y], 0, atol=1e-12) and np.allclose(turned, np.rint(turned), atol=1e-9)
+
+
+def test_copies_that_are_equal_bit_by_bit_keep_their_shape() -> None:
+    """Nothing is averaged where nothing differs: coordinates stay those of the file."""
+    shape = chiral()
+    soup = soup_of([shape] * 5, [_at(8.0 * k) for k in range(5)])
+    own = parts_of(soup, EXACT).classes[0].mesh.vertices
+    expected = shape.vertices - shape.vertices.min(axis=0)
+    assert {tuple(row) for row in own.tolist()} == {tuple(row) for row in expected.tolist()}
 
 
 def test_open_shells_that_share_a_vertex_are_one() -> None:
