@@ -148,3 +148,26 @@ def test_what_no_scope_can_say_is_baked(tmp_path: Path) -> None:
     assert len(grown(cut).terminals.labels) == len(grown(draft).terminals.labels) - 1
     out = tmp_path / "cut.ipm"
     assert {path.name for path in edit.save(cut, out).files} == {"cut.baked.parts.obj"}
+
+
+def test_nobody_waits_for_a_hundred_thousand_copies(house: Draft) -> None:
+    with pytest.raises(IpmError, match="at most 1,000"):
+        dividing.split(house, "Window", 0, 100_000)
+
+
+def test_parts_that_are_joined_are_left_alone() -> None:
+    text = "A --> [size(4, 1, 3) cube union { B | C }] translate(5, 0, 0) size(1, 1, 1) cube D\n"
+    text += "B --> Wall\nC --> translate(1, 0, 0) Wall\nstart A\n"
+    draft = edit.read_text("ipm 1\n" + text)
+    for name in ("D", "A", "B"):
+        with pytest.raises(IpmError, match="union"):
+            resize(draft, name, Wanted(x=2.0))
+
+
+def test_what_a_turtle_draws_fits_no_box() -> None:
+    draft = edit.read_text("ipm 1\nA --> F(1) &(30) B F(2)\nB --> F(3)\nstart A\n")
+    with pytest.raises(IpmError, match=r"turtle|extent|building"):
+        dividing.split(draft, "B", 0, 3)
+    branch = edit.read_text("ipm 1\nA --> [&(30) F(2)] [^(30) B]\nB --> F(3)\nstart A\n")
+    with pytest.raises(IpmError, match="drawn by a turtle"):
+        dividing.split(branch, "F", 0, 3)

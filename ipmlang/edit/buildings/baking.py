@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ipmlang.compiler import ast
+from ipmlang.compiler.diagnostics import fail
 from ipmlang.edit.buildings.tree import Tree
 from ipmlang.edit.draft import Draft
 from ipmlang.inverse.frames import Floats, Frames, linear
@@ -72,6 +73,12 @@ class Baking:
         if number == SCOPE:
             flat = self.tree.terminals.high[row][2] <= 0
             return solid_mesh(unit_square() if flat else unit_box())
+        if number not in self.tree.meshes:
+            raise fail(
+                "cannot-edit-there",
+                f"`{self.tree.terminals.labels[row]}` is drawn by a turtle and has no box to fit",
+                hint="change the parameters of its rule: ipmlang edit set",
+            )
         mesh = self.tree.meshes[number]
         if self.tree.is_natural(row):
             return mesh

@@ -27,6 +27,7 @@ from ipmlang.inverse.frames import Floats, Frames, compose, inverse, moved_to
 from ipmlang.inverse.split.wording import all_nothing, call, times
 
 AXES = ("x", "y", "z")
+MOST_COPIES = 1000  # of a part that is split
 
 
 def remove(draft: Draft, select: str, *, number: int | None = None) -> Draft:
@@ -116,6 +117,8 @@ def split(draft: Draft, select: str, axis: int, count: int, *, number: int | Non
     """A part split into so many copies of itself along one of its own axes."""
     if count < 2:
         raise fail("bad-command", f"a part is split into two or more, not {count}")
+    if count > MOST_COPIES:
+        raise fail("bad-command", f"a part is split into at most {MOST_COPIES:,}, not {count:,}")
     forms = Forms(grown(draft))
     at = {}
     for unit in selected(forms.tree, select, number):
