@@ -45,7 +45,7 @@ LEAST = 2.0  # tokens that a rule has to save
 TRIED = 10  # candidates of a round that are priced exactly
 ROUNDS = 60
 SEEDS = 100  # kinds of pairs that are grown before what grew is priced
-BATCHES = 3  # how often in a round, where nothing pays
+BATCHES = 1  # how often in a round, where nothing pays
 WORK, EACH = 250_000, 120  # lookups, and more of them for each part
 
 
@@ -69,9 +69,10 @@ def schemes(parts: Parts, error: float | None = None, work: int | None = None) -
     for share in SHARES:
         limits = Limits(share * bound, NOTHING * bound)
         found = _searched(parts, limits, WORK + EACH * len(parts.shape) if work is None else work)
+        if scheme_tokens(found, limits.small) >= scheme_tokens(plain, limits.small):
+            break  # where less may be off there is less to find
         if _off(parts, found) <= HOPE * bound:
-            small = limits.small
-            yield min((found, plain), key=lambda scheme: scheme_tokens(scheme, small))
+            yield found
     yield plain
 
 
