@@ -9,16 +9,20 @@ from __future__ import annotations
 import math
 
 from ipmlang.compiler import ast
+from ipmlang.compiler.diagnostics import fail
 
 DIGITS = 12  # significant digits of a computed literal: enough, without the dust of binary floats
 
 
 def literal(value: float) -> ast.Number:
-    """A number without the last digits, which are rounding errors.
+    """A number without the last digits, which are rounding errors. Raises IpmError for one that is
+    too large to be written.
 
     >>> literal(0.1 + 0.2).value
     0.3
     """
+    if not math.isfinite(value):
+        raise fail("out-of-range", "this edit makes a number that is too large to be written")
     return ast.Number(float(f"{value:.{DIGITS}g}") + 0.0)
 
 

@@ -9,6 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from ipmlang import IpmError, edit
+from ipmlang.edit.arithmetic import literal
 from ipmlang.edit.buildings import dividing, pasting
 from ipmlang.edit.buildings.pasting import Copying
 from ipmlang.edit.buildings.resizing import Wanted, resize
@@ -171,3 +172,8 @@ def test_what_a_turtle_draws_fits_no_box() -> None:
     branch = edit.read_text("ipm 1\nA --> [&(30) F(2)] [^(30) B]\nB --> F(3)\nstart A\n")
     with pytest.raises(IpmError, match="drawn by a turtle"):
         dividing.split(branch, "F", 0, 3)
+
+
+def test_a_number_that_grows_too_large_is_told() -> None:
+    with pytest.raises(IpmError, match="too large"):
+        literal(-2 * 1.79e308)

@@ -139,3 +139,13 @@ def test_nothing_is_drawn_in_a_frame_of_no_numbers(body: str, ground: str) -> No
     grammar = ipmlang.parse(f"ipm 1\nP --> {body}\nstart P{ground}\n")
     with pytest.raises(ipmlang.IpmError, match="finite"):
         grammar.run()
+
+
+def test_a_roof_on_a_batch_of_nothing() -> None:
+    for roof in ("roofGable(20)", "roofHip(20)", "setback(1) { all: C }", "innerRect"):
+        for parts in ("rest: {} B", "rest: extrude(2) comp {{ top: {} B }}"):
+            own = parts.format(roof)
+            own = own.replace("} B", "}") if roof.startswith("setback") else own
+            text = f"ipm 1\nA --> setback(9) {{ all: W | {own} }}\nstart A on box(4, 4, 0)\n"
+            scene = ipmlang.parse(text).run()
+            assert {scene.labels[each] for each in scene.instances.label} == {"W"}

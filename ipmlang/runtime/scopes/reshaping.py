@@ -195,7 +195,7 @@ def shaped(name: str, solids: Sequence[Solid], ways: Floats, values: Values) -> 
     `ways` and arguments of its own.
     """
     body, together = SHAPES[name], TOGETHER.get(name)
-    known = together(solids, ways, values) if together else [None] * len(solids)
+    known = together(solids, ways, values) if together and solids else [None] * len(solids)
     return [
         body(solid, way, *own) if made is None else Shaped(made)
         for solid, way, own, made in zip(solids, ways, values, known, strict=True)
