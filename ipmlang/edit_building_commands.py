@@ -16,15 +16,16 @@ from ipmlang.compiler.diagnostics import fail
 from ipmlang.edit_commands import edit, edits, finish_edit
 
 Command = TypeVar("Command", bound=Callable[..., None])
+NUMBER = click.option(
+    "--number", type=click.IntRange(1), help="only the n-th, in the order of derivation"
+)
 
 
 def selects_part(command: Command) -> Command:
     """The options that choose shapes of a building."""
     options = (
         click.option("--select", required=True, help="a rule's symbol, or a terminal"),
-        click.option(
-            "--number", type=click.IntRange(1), help="only the n-th, in the order of derivation"
-        ),
+        NUMBER,
     )
     for option in reversed(options):
         command = option(command)
@@ -33,7 +34,8 @@ def selects_part(command: Command) -> Command:
 
 @edit.command("resize")
 @edits
-@selects_part
+@click.option("--select", help="a rule's symbol, or a terminal; without it the whole")
+@NUMBER
 @click.option("--x", type=float, help="the size along its own x")
 @click.option("--y", type=float, help="the size along its own y")
 @click.option("--z", type=float, help="the size along its own z")
@@ -44,7 +46,7 @@ def resize_part(
     output: Path | None,
     allow_outside: bool,
     as_json: bool,
-    select: str,
+    select: str | None,
     number: int | None,
     x: float | None,
     y: float | None,
@@ -61,6 +63,7 @@ def resize_part(
 
     \b
     Examples:
+      ipmlang edit resize house.ipm --x 24 -o wide.ipm
       ipmlang edit resize house.ipm --select Facade --x 18 -o wide.ipm
       ipmlang edit resize house.ipm --select Bay --number 3 --x 1.5 --scale -o new.ipm
     """

@@ -8,6 +8,7 @@ with sides along the axes; for others the lines are then moved, from the best fe
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,6 +45,8 @@ MOVED = 1 << 20
 """Pairs of a line pair and an edge that are looked at each time that lines are moved."""
 BATCH = 1 << 19
 """Pairs of a line pair and an edge that are looked at together."""
+SLIVER = 1e-8
+"""Of the size of a polygon, the width of what rounding leaves between two lines and is nothing."""
 
 
 def inner_rect(polygon: Solid) -> list[Piece]:
@@ -71,7 +74,15 @@ def inner_rect(polygon: Solid) -> list[Piece]:
     around = without(shape, shapely.Polygon(ring), grid).item()
     words = frozenset({"rest", "remainder"})
     rest = rings_of_shape(around, np.concatenate([*rings, ring]), grid)
-    return [*pieces, *(Piece(words, closed([each], plane)) for each in rest)]
+    least = SLIVER * np.sqrt(rings_area(rings))
+    wide = (each for each in rest if 2 * rings_area(each) > least * _around(each))
+    return [*pieces, *(Piece(words, closed([each], plane)) for each in wide)]
+
+
+def _around(rings: Sequence[Floats]) -> float:
+    """The length of all edges."""
+    steps = (np.roll(ring, -1, axis=0) - ring for ring in rings)
+    return float(sum(np.linalg.norm(step, axis=1).sum() for step in steps))
 
 
 def largest_rectangle(rings: Rings) -> Rectangle:

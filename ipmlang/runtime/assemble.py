@@ -33,7 +33,8 @@ class Rows:
     SCOPE; `shape` a polygon's number or -1; `width` NaN and `color` -1 where the pen sets none,
     else a number of Program.strings; `texts` the same for each of TEXT_FIELDS that some row sets;
     `symbol` the terminal's number; `rule` the production that made it, -1 for the axiom; `key`
-    (n,) u64; `groups` what `effect` wraps; `texture_maps` how textures lie.
+    (n,) u64; `groups` what `effect` wraps; `texture_maps` how textures lie; `drawn` (n,) which of
+    all that was drawn each row is, None where booleans joined none of it.
     """
 
     position: NDArray[np.float64]
@@ -51,6 +52,7 @@ class Rows:
     key: NDArray[np.uint64]
     groups: Groups | None = None
     texture_maps: TextureMaps | None = None
+    drawn: NDArray[np.int64] | None = None
 
 
 def scene(

@@ -8,7 +8,7 @@ before their children. Without a recorder nothing of this is kept. Nothing here 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +47,11 @@ class Lineage:
 
     def __len__(self) -> int:
         return len(self.symbol)
+
+    def of_drawn(self, rows: NDArray[np.int64]) -> Lineage:
+        """The same of a scene that shows these (k,) of all that was drawn: booleans join parts."""
+        pens = {name: column[rows] for name, column in self.pens.items()}
+        return replace(self, drawer=self.drawer[rows], drawn_at=self.drawn_at[rows], pens=pens)
 
 
 @dataclass(slots=True, eq=False)

@@ -78,9 +78,9 @@ def derive_frontier(
                 ) from None
             return None
         places = frontier.order.places(frontier.shapes, frontier.drawings)
-        if tell is not None and recorder is not None:
-            order, shapes = frontier.order, frontier.shapes
-            tell(recorder.lineage(order, frontier.fields, shapes, places))
+        lineage = None
+        if recorder is not None:
+            lineage = recorder.lineage(frontier.order, frontier.fields, frontier.shapes, places)
         frontier.order.records.clear()
         rows = drawings.rows(
             program,
@@ -92,6 +92,8 @@ def derive_frontier(
             frontier.joining,
             frontier.pool,
         )
+    if tell is not None and lineage is not None:
+        tell(lineage if rows.drawn is None else lineage.of_drawn(rows.drawn))
     made = scene(
         program,
         rows,

@@ -156,13 +156,15 @@ def test_nobody_waits_for_a_hundred_thousand_copies(house: Draft) -> None:
         dividing.split(house, "Window", 0, 100_000)
 
 
-def test_parts_that_are_joined_are_left_alone() -> None:
+def test_what_is_joined_has_the_owner_of_its_first_part() -> None:
     text = "A --> [size(4, 1, 3) cube union { B | C }] translate(5, 0, 0) size(1, 1, 1) cube D\n"
     text += "B --> Wall\nC --> translate(1, 0, 0) Wall\nstart A\n"
     draft = edit.read_text("ipm 1\n" + text)
-    for name in ("D", "A", "B"):
-        with pytest.raises(IpmError, match="union"):
-            resize(draft, name, Wanted(x=2.0))
+    tree = grown(draft)
+    assert tree.terminals.labels == ("Wall", "D")
+    assert [tree.names[row] for row in tree.owner.tolist()] == ["B", "A"]
+    made = resize(draft, "D", Wanted(x=2.0))
+    assert "size(2, 1, 1) cube D" in made.text
 
 
 def test_what_a_turtle_draws_fits_no_box() -> None:

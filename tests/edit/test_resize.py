@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from ipmlang import edit
+from ipmlang.compiler.diagnostics import IpmError
 from ipmlang.edit.buildings.contacts import gaps, neighbours
 from ipmlang.edit.buildings.resizing import Wanted, resize
 from ipmlang.edit.buildings.soundness import came_apart
@@ -156,3 +157,15 @@ def test_a_range_that_would_be_left_is_told() -> None:
         "`h` would have to be 8, out of its range: places and sizes were changed instead"
     ]
     assert "size(1, 1, 8) cube Wood" in made.text
+
+
+def test_without_a_part_the_whole_is_resized() -> None:
+    wall = edit.read_text("ipm 1\nWall --> split x { { ~2: Tile }* }\nstart Wall on box(6, 1, 3)\n")
+    made = resize(wall, None, Wanted(x=10.0))
+    assert made.text.splitlines()[-1] == "start Wall on box(10, 1, 3)"
+
+
+def test_a_start_of_several_parts_is_no_whole() -> None:
+    pair = edit.read_text("ipm 1\nA --> cube P\nB --> cube Q\nstart [A] B on box(2, 3, 4)\n")
+    with pytest.raises(IpmError, match="no single part"):
+        resize(pair, None, Wanted(x=3.0))

@@ -23,7 +23,7 @@ from ipmlang.edit.buildings.forms import Forms, Unit
 from ipmlang.edit.buildings.rewriting import Placed, rewritten
 from ipmlang.edit.buildings.soundness import check_sound
 from ipmlang.edit.buildings.tree import grown
-from ipmlang.edit.buildings.units import Units, divided, selected, tolerance
+from ipmlang.edit.buildings.units import Units, divided, selected, tolerance, whole
 from ipmlang.edit.draft import Draft
 from ipmlang.inverse.frames import Floats, Frames, from_matrices, linear
 
@@ -68,15 +68,16 @@ class Wanted:
 
 def resize(
     draft: Draft,
-    select: str,
+    select: str | None,
     wanted: Wanted,
     *,
     number: int | None = None,
     seed: int = 0,
     parameters: bool = True,
 ) -> Draft:
-    """A shape, or all of its kind that are as large, made as large as wanted. `number` chooses the
-    n-th; without `parameters` places and sizes are changed, never an attribute or the lot.
+    """A shape, or all of its kind that are as large, made as large as wanted; None: the whole.
+    `number` chooses the n-th; without `parameters` places and sizes are changed, never an attribute
+    or the lot.
 
     Raises IpmError where nothing is selected, and where the edit would tear the building apart.
 
@@ -90,6 +91,7 @@ def resize(
     """  # fmt: skip
     tree = grown(draft, seed=seed)
     forms = Forms(tree)
+    select = whole(tree) if select is None else select
     every = selected(tree, select)
     picked, size = _alike(forms, selected(tree, select, number), wanted, select)
     aim = wanted.of(size)

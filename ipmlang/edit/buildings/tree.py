@@ -187,13 +187,6 @@ def tree_of(
             hint="edits of buildings take grammars of scopes: split, comp, translate, insert",
         )
     lineage = told[0]
-    if len(lineage.drawer) != len(scene.instances):
-        raise fail(
-            "not-a-building",
-            "parts of this building are joined with `union`, `subtract` or `intersect`: what is "
-            "joined belongs to several rules, and no edit of parts can tell which",
-            hint="edit the numbers of the grammar: ipmlang edit set, ipmlang edit randomise",
-        )
     count = len(lineage)
     state = lineage.state
     hand = np.sign(state.get("scale", np.ones(count)))

@@ -57,6 +57,19 @@ def selected(tree: Tree, name: str, number: int | None = None) -> list[Unit]:
     return [found[number - 1]]
 
 
+def whole(tree: Tree) -> str:
+    """The symbol that the start is made of. Raises IpmError where it is several."""
+    found = {tree.names[row] for row in np.flatnonzero(tree.parent == -1).tolist()}
+    if found == {"start"}:
+        first = np.isin(tree.parent, np.flatnonzero(tree.parent == -1))
+        found = {tree.names[row] for row in np.flatnonzero(first).tolist()}
+    if len(found) == 1:
+        return found.pop()
+    many = ", ".join(f"`{name}`" for name in sorted(found)[:5]) or "no shape with rules"
+    what = f"the start is no single part but {many}"
+    raise fail("nothing-selected", what, hint="choose a part with `--select`")
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Units:
     """u units with their boxes (u, 3) along axes (3, 3), rows; opened: shapes that are taken apart;

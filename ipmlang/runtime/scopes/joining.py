@@ -332,6 +332,7 @@ def _replaced(rows: Rows, part: NDArray[np.int32], made: Members, pool: Pool) ->
         rows.key[chosen],
         None if groups is None else replace(groups, of=groups.of[chosen]),
         None if maps is None else replace(maps, of=maps.of[chosen]),
+        chosen,
     )
 
 
