@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 Floats: TypeAlias = NDArray[np.float64]
 Integers: TypeAlias = NDArray[np.int64]
 
+_HIGH = np.array([[k & 1, k >> 1 & 1, k >> 2] for k in range(8)], np.bool_)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Frames:
@@ -120,6 +122,21 @@ def apply(frames: Frames, points: Floats) -> Floats:
 def spread(frames: Frames, points: Floats) -> Floats:
     """Points (k, 3) under every frame: (n, k, 3)."""
     return np.asarray(np.einsum("nij,kj->nki", linear(frames), points) + frames.position[:, None])
+
+
+def corners(frames: Frames, low: Floats, high: Floats) -> Floats:
+    """(n, 8, 3) the corners of boxes, (n, 3) or one (3,) for all, in the coordinates around."""
+    own = np.where(_HIGH, high[..., None, :], low[..., None, :])
+    return np.asarray(
+        np.einsum("nij,nkj->nki", linear(frames), np.broadcast_to(own, (len(frames), 8, 3)))
+        + frames.position[:, None]
+    )
+
+
+def around(frames: Frames, low: Floats, high: Floats) -> tuple[Floats, Floats]:
+    """(n, 3) low and high of the boxes, along the axes around, that hold such boxes."""
+    placed = corners(frames, low, high)
+    return placed.min(axis=1), placed.max(axis=1)
 
 
 def compose(outer: Frames, inner: Frames) -> Frames:

@@ -29,16 +29,16 @@ from ipmlang.inverse.naming import capital, word
 from ipmlang.inverse.options import Options
 from ipmlang.inverse.parts.observation import Parts
 from ipmlang.inverse.report import Report, counted
-from ipmlang.inverse.split.assembly import flat
 from ipmlang.inverse.split.changing import without_wraps
 from ipmlang.inverse.split.comparison import Difference
 from ipmlang.inverse.split.explained import count_explained
-from ipmlang.inverse.split.homes import at_home
+from ipmlang.inverse.split.facades.homes import at_home
 from ipmlang.inverse.split.parts_file import PartsFile, parts_name, write_parts
 from ipmlang.inverse.split.placing import Precision
-from ipmlang.inverse.split.printing import print_scheme
+from ipmlang.inverse.split.printing.grammar import print_scheme
 from ipmlang.inverse.split.proof import prove
 from ipmlang.inverse.split.scheme import Scheme, Terminal
+from ipmlang.inverse.split.search.assembly import flat
 
 LIMIT = 1e-6  # share of the diagonal that any corner may be off
 ALIKE = 0.7  # share of the limit that equal parts may differ by; the rest is for rounding
@@ -100,13 +100,13 @@ def _searched(goal: _Goal, plain: Scheme, options: Options) -> Iterator[Scheme]:
     parts = goal.parts
     small = NOTHING * parts.diagonal
     if options.paper:
-        from ipmlang.inverse.split.raw_form import raw_form
+        from ipmlang.inverse.split.paper.raw_form import raw_form
 
         yield raw_form(parts, small)
         yield plain
         return
-    from ipmlang.inverse.split.facades import as_splits
-    from ipmlang.inverse.split.search import schemes
+    from ipmlang.inverse.split.facades.splitting import as_splits
+    from ipmlang.inverse.split.search.shortest import schemes
 
     longest = _length(goal, plain)
     for found in schemes(parts, goal.limit * parts.diagonal):

@@ -7,12 +7,12 @@ import pytest
 from inverse.planted_schemes import at, box, mirrored, observed, places, planted, turned, wedge
 
 from ipmlang.inverse.frames import Frames, compose, identity, join, matrices
-from ipmlang.inverse.split.assembly import flat, largest_error
 from ipmlang.inverse.split.cost import scheme_tokens
 from ipmlang.inverse.split.expansion import expand
-from ipmlang.inverse.split.homes import at_home
+from ipmlang.inverse.split.facades.homes import at_home
 from ipmlang.inverse.split.scheme import Array, Direction, Ring, Rule, Scheme, Terminal
-from ipmlang.inverse.split.search import shortest
+from ipmlang.inverse.split.search.assembly import flat, largest_error
+from ipmlang.inverse.split.search.shortest import shortest
 
 
 def _items(scheme: Scheme, kind: type) -> list:

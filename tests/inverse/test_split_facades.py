@@ -9,7 +9,7 @@ from inverse.box_models import Boxes, same
 from ipmlang.inverse.frames import Frames, compose, moved_to
 from ipmlang.inverse.parts.observation import Parts
 from ipmlang.inverse.split.cost import scheme_tokens
-from ipmlang.inverse.split.facades import as_splits
+from ipmlang.inverse.split.facades.splitting import as_splits
 from ipmlang.inverse.split.scheme import Cell, Place, Rule, Scheme, Split, Terminal
 
 SMALL = 1e-7
@@ -153,7 +153,7 @@ def test_turned_scheme_stays_where_it_is() -> None:
     after = as_splits(askew, SMALL)
     assert len(splits(after)) == 2
     from ipmlang.inverse.split.expansion import expand
-    from ipmlang.inverse.split.matching import matched
+    from ipmlang.inverse.split.facades.matching import matched
 
     assert matched(expand(askew), expand(after), SMALL)
 

@@ -9,11 +9,11 @@ from inverse.test_split_facades import SMALL, front, listed
 from ipmlang.compiler import ast
 from ipmlang.compiler.format import format_grammar
 from ipmlang.formats.mesh_types import Mesh, triangle_mesh
-from ipmlang.inverse.split.facades import as_splits
-from ipmlang.inverse.split.lifting import counted
+from ipmlang.inverse.split.facades.splitting import as_splits
 from ipmlang.inverse.split.parts_file import parts_name, write_parts
 from ipmlang.inverse.split.placing import Precision
-from ipmlang.inverse.split.printing import print_scheme
+from ipmlang.inverse.split.printing.grammar import print_scheme
+from ipmlang.inverse.split.printing.lifting import counted
 from ipmlang.inverse.split.proof import derived
 from ipmlang.inverse.split.scheme import Scheme, Terminal
 

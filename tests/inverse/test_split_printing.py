@@ -21,7 +21,7 @@ from ipmlang.inverse.frames import Floats, Frames, canonical, identity, matrices
 from ipmlang.inverse.split.comparison import compare_models
 from ipmlang.inverse.split.expansion import expand
 from ipmlang.inverse.split.placing import Precision
-from ipmlang.inverse.split.printing import print_scheme
+from ipmlang.inverse.split.printing.grammar import print_scheme
 from ipmlang.inverse.split.scheme import (
     Array,
     Cell,

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from inverse.box_models import Boxes, same
 
+from ipmlang.edit.buildings.contacts import neighbours
 from ipmlang.inverse.split.expansion import expand
-from ipmlang.inverse.split.labelling import labelled, rule_labels
-from ipmlang.inverse.split.raw_form import raw_form
+from ipmlang.inverse.split.paper.labelling import labelled, rule_labels
+from ipmlang.inverse.split.paper.raw_form import raw_form
+from ipmlang.inverse.split.paper.subdivisions import lattices
+from ipmlang.inverse.split.paper.tree import point_splits, split_tree
 from ipmlang.inverse.split.scheme import Array, Octant, Rule
-from ipmlang.inverse.split.subdivisions import lattices
-from ipmlang.inverse.split.tree import point_splits, split_tree, touching
 
 SMALL = 1e-9
 
@@ -85,7 +86,7 @@ def test_neighbours_touch_or_overlap() -> None:
         [i, j] for i in range(80) for j in range(i + 1, 80)
         if (np.maximum(low[i], low[j]) <= np.minimum(high[i], high[j])).all()
     ]  # fmt: skip
-    assert touching(low, high, 0.0).tolist() == expected
+    assert neighbours(low, high, 0.0).tolist() == expected
 
 
 @pytest.mark.parametrize("seed", range(3))

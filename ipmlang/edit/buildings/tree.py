@@ -19,15 +19,13 @@ from ipmlang.compiler import ast, compile_file, compile_text, ir
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail, nearest
 from ipmlang.edit.draft import Draft
 from ipmlang.edit.saving import about, staged
-from ipmlang.inverse.frames import Floats, Frames, Integers, inverse, linear
+from ipmlang.inverse.frames import Floats, Frames, Integers, corners, inverse, linear
 from ipmlang.runtime import derive
 from ipmlang.runtime.lineage import Lineage
 from ipmlang.runtime.scene import OUTLINE, SEGMENT, Scene
 
 if TYPE_CHECKING:
     from ipmlang.formats.mesh_types import Mesh
-
-CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], np.float64)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -127,7 +125,7 @@ class Tree:
     def boxes(self, axes: Floats) -> tuple[Floats, Floats]:
         """(m, 3) low and high corners of all terminals along axes, rows of (3, 3)."""
         one = self.terminals
-        points = _cornered(one.frames, one.low, one.high) @ axes.T
+        points = corners(one.frames, one.low, one.high) @ axes.T
         return points.min(axis=1), points.max(axis=1)
 
     def unions(self, low: Floats, high: Floats) -> tuple[Floats, Floats]:
@@ -150,16 +148,10 @@ class Tree:
         """(3,) the corners of terminals in the coordinates of a frame."""
         chosen = np.array(rows, np.int64)
         one = self.terminals
-        points = _cornered(one.frames[chosen], one.low[chosen], one.high[chosen]).reshape(-1, 3)
+        points = corners(one.frames[chosen], one.low[chosen], one.high[chosen]).reshape(-1, 3)
         back = inverse(base)
         local = points @ linear(back)[0].T + back.position[0]
         return local.min(axis=0), local.max(axis=0)
-
-
-def _cornered(frames: Frames, low: Floats, high: Floats) -> Floats:
-    """(m, 8, 3) the corners of boxes."""
-    points = low[:, None] + CORNERS[None] * (high - low)[:, None]
-    return np.asarray(np.einsum("mij,mkj->mki", linear(frames), points) + frames.position[:, None])
 
 
 def grown(draft: Draft, *, seed: int = 0, attrs: Mapping[str, float] | None = None) -> Tree:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ipmlang.inverse.frames import Floats, Frames, identity
 from ipmlang.inverse.split.changing import on_symbols
 from ipmlang.inverse.split.cost import HEAD, item_tokens
+from ipmlang.inverse.split.measuring import in_cells
 from ipmlang.inverse.split.scheme import Item, Place, Rule, Scheme, Split, Symbol, Terminal
 
 FEWEST = 3  # cells that repeat so often are what a person would have more or fewer of
@@ -146,7 +147,7 @@ def changing_axes(scheme: Scheme) -> list[Axes]:
                 grown[number] |= along & (cell.count >= FEWEST)
                 if cell.symbol is not None:
                     grown[number] |= ~along & grown[cell.symbol]
-    for number in _standing_in_cells(scheme):
+    for number in in_cells(scheme) - _placed_freely(scheme):
         grown[number] = np.zeros(3, np.bool_)
     for number in range(scheme.axiom, -1, -1):
         for split, along in _splits(scheme.symbols[number]):
@@ -156,21 +157,14 @@ def changing_axes(scheme: Scheme) -> list[Axes]:
     return grown
 
 
-def _standing_in_cells(scheme: Scheme) -> set[int]:
-    """The symbols whose scope is theirs to say nowhere."""
-    cells = {
-        cell.symbol
-        for symbol in scheme.symbols
-        for split, _ in _splits(symbol)
-        for cell in split.cells
-    }
-    free = {
+def _placed_freely(scheme: Scheme) -> set[int]:
+    """The symbols that stand somewhere with a scope of their own."""
+    return {
         item.symbol
         for symbol in scheme.symbols
         for item in (symbol.items if isinstance(symbol, Rule) else ())
         if not isinstance(item, Split)
     }
-    return {number for number in cells if number is not None} - free
 
 
 def _splits(symbol: Symbol) -> Iterator[tuple[Split, Axes]]:

@@ -7,11 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ipmlang.inverse.frames import Floats, spread
+from ipmlang.inverse.frames import Floats, around
 from ipmlang.inverse.split.expansion import placements
 from ipmlang.inverse.split.scheme import Item, Octant, Place, Rule, Scheme, Split, Terminal
-
-_CORNERS = np.array([[k & 1, k >> 1 & 1, k >> 2] for k in range(8)], np.float64)
 
 
 def reaches(scheme: Scheme) -> Floats:
@@ -37,10 +35,9 @@ def _extent(rule: Rule, boxes: Floats) -> Floats:
     for item in rule.items:
         for symbol, frames in placements(item):
             if len(frames):
-                inner, outer = boxes[symbol]
-                corners = spread(frames, inner + _CORNERS * (outer - inner)).reshape(-1, 3)
-                low = np.minimum(low, corners.min(axis=0))
-                high = np.maximum(high, corners.max(axis=0))
+                begin, end = around(frames, *boxes[symbol])
+                low = np.minimum(low, begin.min(axis=0))
+                high = np.maximum(high, end.max(axis=0))
     if not np.isfinite(low).all():
         low, high = np.zeros(3), np.asarray(rule.size, np.float64)
     return np.stack([low, high])

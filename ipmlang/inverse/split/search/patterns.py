@@ -12,14 +12,14 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ipmlang.inverse.frames import Frames, Integers, linear
-from ipmlang.inverse.split.arrays import Lattice, lattices
 from ipmlang.inverse.split.cost import item_tokens, placement_tokens
-from ipmlang.inverse.split.drafts import Limits
 from ipmlang.inverse.split.expansion import placements
-from ipmlang.inverse.split.figures import Figure, alternatives, misses, probed, simplest
 from ipmlang.inverse.split.listing import Listing, list_tokens, listing
-from ipmlang.inverse.split.rings import rings
 from ipmlang.inverse.split.scheme import Array, Item, Place
+from ipmlang.inverse.split.search.arrays import Lattice, lattices
+from ipmlang.inverse.split.search.drafts import Limits
+from ipmlang.inverse.split.search.figures import Figure, alternatives, misses, probed, simplest
+from ipmlang.inverse.split.search.rings import rings
 from ipmlang.inverse.split.snapping import Flags, label_rows, members, snap_columns
 
 LEAST = 2.0  # tokens that a pattern has to save

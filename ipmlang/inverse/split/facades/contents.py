@@ -15,18 +15,16 @@ from ipmlang.inverse.frames import (
     Floats,
     Frames,
     Integers,
+    around,
     compose,
     identity,
     join,
     linear,
-    spread,
 )
 from ipmlang.inverse.split.distinct import numbered
 from ipmlang.inverse.split.expansion import placements
-from ipmlang.inverse.split.labelling import TURNED
+from ipmlang.inverse.split.paper.labelling import TURNED
 from ipmlang.inverse.split.scheme import Rule, Scheme
-
-CORNERS = np.array([[k & 1, k >> 1 & 1, k >> 2] for k in range(8)], np.float64)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -111,7 +109,7 @@ def contents(scheme: Scheme, rule: Rule, extents: Floats, depth: int, kinds: Kin
     symbol = np.concatenate([np.full(len(frames), each) for each, frames, _ in rows])
     frames = join([frames for _, frames, _ in rows])
     item = np.concatenate([np.full(len(frames), number) for _, frames, number in rows])
-    low, high = _boxes(extents[symbol], frames)
+    low, high = around(frames, extents[symbol][:, 0], extents[symbol][:, 1])
     return Contents(symbol, frames, kinds.number(symbol, frames), low, high, item)
 
 
@@ -128,35 +126,6 @@ def _opened(
             again = np.tile(np.arange(len(own)), len(frames))
             found.append((inner, compose(frames[outer], own[again]), -1))
     return found
-
-
-def _boxes(own: Floats, frames: Frames) -> tuple[Floats, Floats]:
-    """Boxes around boxes (n, 2, 3) in frames."""
-    turn = linear(frames)
-    size = own[:, 1] - own[:, 0]
-    sides = turn * size[:, None, :]
-    begin = np.einsum("nij,nj->ni", turn, own[:, 0]) + frames.position
-    low = begin + np.minimum(sides, 0.0).sum(axis=2)
-    return low, begin + np.maximum(sides, 0.0).sum(axis=2)
-
-
-def extents(scheme: Scheme) -> Floats:
-    """(n, 2, 3) a box around what each symbol draws, in its own coordinates."""
-    boxes = np.zeros((len(scheme.symbols), 2, 3))
-    for number, symbol in enumerate(scheme.symbols):
-        boxes[number, 1] = symbol.size
-        if isinstance(symbol, Rule):
-            drawn = [_reach(boxes[each], frames) for item in symbol.items
-                     for each, frames in placements(item) if len(frames)]  # fmt: skip
-            if drawn:
-                boxes[number, 0] = np.min([low for low, _ in drawn], axis=0)
-                boxes[number, 1] = np.max([high for _, high in drawn], axis=0)
-    return boxes
-
-
-def _reach(box: Floats, frames: Frames) -> tuple[Floats, Floats]:
-    corners = spread(frames, box[0] + CORNERS * (box[1] - box[0])).reshape(-1, 3)
-    return corners.min(axis=0), corners.max(axis=0)
 
 
 def sorted_rows(inside: Contents, small: float) -> Contents:

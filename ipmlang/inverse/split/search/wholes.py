@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from ipmlang.inverse.frames import Floats, Frames, Integers, compose, inverse, matrices
-from ipmlang.inverse.split.fields import Field, look_up
-from ipmlang.inverse.split.growth import Grown
+from ipmlang.inverse.split.search.fields import Field, look_up
+from ipmlang.inverse.split.search.growth import Grown
 from ipmlang.inverse.split.snapping import label_rows, members, snap_columns
 
 SYMBOL = 24  # placements of one symbol that vote

@@ -23,7 +23,9 @@ from ipmlang.inverse.frames import (
 )
 from ipmlang.inverse.parts.observation import Parts
 from ipmlang.inverse.split.distinct import numbered
-from ipmlang.inverse.split.labelling import TURNED, Labels, labelled, rule_labels
+from ipmlang.inverse.split.paper.labelling import TURNED, Labels, labelled, rule_labels
+from ipmlang.inverse.split.paper.subdivisions import Lattice, lattices
+from ipmlang.inverse.split.paper.tree import Tree, point_splits, split_tree
 from ipmlang.inverse.split.scheme import (
     Array,
     Direction,
@@ -35,8 +37,6 @@ from ipmlang.inverse.split.scheme import (
     Symbol,
     Terminal,
 )
-from ipmlang.inverse.split.subdivisions import Lattice, lattices
-from ipmlang.inverse.split.tree import Tree, point_splits, split_tree
 
 
 def raw_form(parts: Parts, small: float) -> Scheme:

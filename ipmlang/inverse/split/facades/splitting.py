@@ -13,16 +13,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ipmlang.inverse.frames import Floats, compose, moved_to
-from ipmlang.inverse.split.anchoring import anchored
-from ipmlang.inverse.split.building import Building, bonus, is_cut, repeats
 from ipmlang.inverse.split.changing import begun_at, copies, needed, owned
-from ipmlang.inverse.split.contents import Contents, Kinds, contents, extents
 from ipmlang.inverse.split.cost import scheme_tokens
 from ipmlang.inverse.split.expansion import expand
+from ipmlang.inverse.split.facades.anchoring import anchored
+from ipmlang.inverse.split.facades.building import Building, bonus, is_cut, repeats
+from ipmlang.inverse.split.facades.contents import Contents, Kinds, contents
+from ipmlang.inverse.split.facades.guillotine import runs, side_by_side
+from ipmlang.inverse.split.facades.homes import at_home
+from ipmlang.inverse.split.facades.matching import matched
 from ipmlang.inverse.split.following import following
-from ipmlang.inverse.split.guillotine import runs, side_by_side
-from ipmlang.inverse.split.homes import at_home
-from ipmlang.inverse.split.matching import matched
+from ipmlang.inverse.split.measuring import extents
 from ipmlang.inverse.split.scheme import Array, Item, Place, Ring, Rule, Scheme, Symbol, Terminal
 
 FOLLOWING = 3  # share of all tokens that may be spent on walls which follow their scope

@@ -10,9 +10,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipmlang.inverse.frames import Floats, Frames, Integers, compose, join, linear, moved_to, spread
+from ipmlang.inverse.frames import (
+    Floats,
+    Frames,
+    Integers,
+    around,
+    compose,
+    join,
+    linear,
+    moved_to,
+    spread,
+)
 from ipmlang.inverse.parts.observation import Parts
-from ipmlang.inverse.split.figures import Figure, figure, of_class, simplest
+from ipmlang.inverse.split.search.figures import Figure, figure, of_class, simplest
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,11 +85,7 @@ def boxes(draft: Draft) -> tuple[Floats, Floats]:
     """(n, 3) low and high corners of every row's box in its body."""
     low = np.stack([shape.low for shape in draft.figures])[draft.symbol]
     high = np.stack([shape.high for shape in draft.figures])[draft.symbol]
-    choose = np.array([[i & 1, i >> 1 & 1, i >> 2] for i in range(8)], np.bool_)
-    corners = np.where(choose[None], high[:, None], low[:, None])
-    placed = np.einsum("nij,nkj->nki", linear(draft.frames), corners)
-    placed += draft.frames.position[:, None]
-    return placed.min(axis=1), placed.max(axis=1)
+    return around(draft.frames, low, high)
 
 
 def with_motif(draft: Draft, motif: Motif, symmetry: Frames) -> Draft:

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ipmlang.inverse.frames import Floats, Integers
-from ipmlang.inverse.split.fields import Field, look_up
-from ipmlang.inverse.split.seeds import Seed
+from ipmlang.inverse.split.search.fields import Field, look_up
+from ipmlang.inverse.split.search.seeds import Seed
 from ipmlang.inverse.split.snapping import Flags
 
 LARGEST = 600  # rows of one occurrence

@@ -23,8 +23,8 @@ from ipmlang.inverse.frames import (
 )
 from ipmlang.inverse.numbers import shortest
 from ipmlang.inverse.split.expansion import placements
-from ipmlang.inverse.split.figures import Figure, misses, probed
 from ipmlang.inverse.split.scheme import Ring
+from ipmlang.inverse.split.search.figures import Figure, misses, probed
 from ipmlang.inverse.split.snapping import label_rows, snap_columns
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ipmlang.inverse.frames import Floats, Frames, Integers, linear
-from ipmlang.inverse.split.drafts import Draft, boxes, points
+from ipmlang.inverse.split.search.drafts import Draft, boxes, points
 from ipmlang.inverse.split.snapping import Flags, members
 
 if TYPE_CHECKING:

@@ -12,14 +12,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from ipmlang.inverse.frames import Floats, identity, spread
+from ipmlang.inverse.frames import Floats, around, identity
 from ipmlang.inverse.split.changing import on_symbols
 from ipmlang.inverse.split.expansion import placements
 from ipmlang.inverse.split.following import changing_axes, in_other_scopes, repeated_ranges
 from ipmlang.inverse.split.measuring import extents
 from ipmlang.inverse.split.scheme import Item, Octant, Place, Rule, Scheme, Split, Symbol
-
-_CORNERS = np.array([[k & 1, k >> 1 & 1, k >> 2] for k in range(8)], np.float64)
 
 
 def anchored(scheme: Scheme, small: float) -> Scheme:
@@ -51,9 +49,8 @@ def _beyond(item: Item, boxes: Floats, limit: Floats) -> frozenset[int]:
         return frozenset()
     low = np.full(3, np.inf)
     for symbol, frames in placements(item):
-        inner, outer = boxes[symbol]
-        corners = spread(frames, inner + _CORNERS * (outer - inner)).reshape(-1, 3)
-        low = np.minimum(low, corners.min(axis=0, initial=np.inf))
+        begin, _ = around(frames, *boxes[symbol])
+        low = np.minimum(low, begin.min(axis=0, initial=np.inf))
     return frozenset(np.flatnonzero(low >= limit).tolist())
 
 

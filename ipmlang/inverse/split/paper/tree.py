@@ -1,7 +1,8 @@
 """The split tree of a model (Demir and Aliaga 2016, sections 3.2 and 3.3): boxes within boxes.
 
-In go the boxes of parts, out come for each the tightest box that encloses it, the point splits
-that lead from one box to the other, and which boxes touch. Shapes and repetition are not looked at.
+In go the boxes of parts, out come for each the tightest box that encloses it and the point splits
+that lead from one box to the other. Shapes and repetition are not looked at; which boxes touch is
+asked by edits alone.
 """
 
 from __future__ import annotations
@@ -85,27 +86,6 @@ def _telling_axes(low: Floats, high: Floats) -> tuple[int, int]:
     longest = int(np.argmax((high - low).mean(axis=0) / whole))
     first, second = (axis for axis in range(3) if axis != longest)
     return first, second
-
-
-def touching(low: Floats, high: Floats, small: float) -> Integers:
-    """(m, 2) the adjacency graph: pairs of boxes (n, 3) that touch or overlap, the lower row first.
-
-    Found by a tree over two axes, never by all pairs. small: units that a gap may have.
-
-    >>> low = np.array([[0.0, 0, 0], [1, 0, 0], [5, 0, 0]])
-    >>> touching(low, low + 1, 1e-9).tolist()
-    [[0, 1]]
-    """
-    from shapely import STRtree, box
-
-    first, second = _telling_axes(low, high)
-    near = (low[:, first] - small, low[:, second] - small)
-    boxes = box(*near, high[:, first] + small, high[:, second] + small)
-    a, b = STRtree(boxes).query(boxes)
-    pairs = np.stack([a, b], axis=1)[a < b].astype(np.int64)
-    gap = np.maximum(low[pairs[:, 0]] - high[pairs[:, 1]], low[pairs[:, 1]] - high[pairs[:, 0]])
-    pairs = pairs[(gap <= small).all(axis=1)]
-    return np.asarray(pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))], np.int64)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

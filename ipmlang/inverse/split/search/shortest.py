@@ -15,9 +15,10 @@ import numpy as np
 
 from ipmlang.inverse.frames import Floats
 from ipmlang.inverse.parts.observation import Parts
-from ipmlang.inverse.split.assembly import assembled, errors, flat
 from ipmlang.inverse.split.cost import HEAD, scheme_tokens
-from ipmlang.inverse.split.drafts import (
+from ipmlang.inverse.split.scheme import Scheme
+from ipmlang.inverse.split.search.assembly import assembled, errors, flat
+from ipmlang.inverse.split.search.drafts import (
     Draft,
     Limits,
     Motif,
@@ -25,17 +26,16 @@ from ipmlang.inverse.split.drafts import (
     motif_box,
     with_motif,
 )
-from ipmlang.inverse.split.fields import Field, field_of
-from ipmlang.inverse.split.figures import figure
-from ipmlang.inverse.split.growth import Grown, grow
-from ipmlang.inverse.split.laying import laid, symmetry_of
-from ipmlang.inverse.split.patterns import Memory
-from ipmlang.inverse.split.pricing import Priced, gain_of, priced
-from ipmlang.inverse.split.pruning import pruned
-from ipmlang.inverse.split.scheme import Scheme
-from ipmlang.inverse.split.seeds import Edges, edges_of, labels_by_promise, seeds
+from ipmlang.inverse.split.search.fields import Field, field_of
+from ipmlang.inverse.split.search.figures import figure
+from ipmlang.inverse.split.search.growth import Grown, grow
+from ipmlang.inverse.split.search.laying import laid, symmetry_of
+from ipmlang.inverse.split.search.patterns import Memory
+from ipmlang.inverse.split.search.pricing import Priced, gain_of, priced
+from ipmlang.inverse.split.search.pruning import pruned
+from ipmlang.inverse.split.search.seeds import Edges, edges_of, labels_by_promise, seeds
+from ipmlang.inverse.split.search.wholes import wholes
 from ipmlang.inverse.split.snapping import Flags
-from ipmlang.inverse.split.wholes import wholes
 
 PROVEN = 1e-6  # share of the diagonal that anything may be off
 SHARES = (0.5, 0.2, 0.05)  # of that, what a placement may be off, in turn

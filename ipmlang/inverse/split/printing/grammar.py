@@ -15,11 +15,11 @@ from ipmlang.compiler import ast
 from ipmlang.inverse.frames import Frames
 from ipmlang.inverse.naming import Names
 from ipmlang.inverse.split.expansion import placements
-from ipmlang.inverse.split.items import Wording, item_elements
-from ipmlang.inverse.split.lifting import lifted
 from ipmlang.inverse.split.measuring import in_cells, needing_size, reaches
-from ipmlang.inverse.split.naming import symbol_names
 from ipmlang.inverse.split.placing import Precision, spots, steps_to
+from ipmlang.inverse.split.printing.items import Wording, item_elements
+from ipmlang.inverse.split.printing.lifting import lifted
+from ipmlang.inverse.split.printing.naming import symbol_names
 from ipmlang.inverse.split.scheme import Rule, Scheme, Split, Terminal
 from ipmlang.inverse.split.wording import bracket, call
 

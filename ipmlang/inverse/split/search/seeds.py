@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipmlang.inverse.frames import Floats, Integers, compose, inverse, matrices
-from ipmlang.inverse.split.fields import Field, agree
+from ipmlang.inverse.split.search.fields import Field, agree
 from ipmlang.inverse.split.snapping import label_rows, members, snap
 
 KINDS = 3  # relations that pairs at one distance are told apart into

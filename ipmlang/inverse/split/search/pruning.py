@@ -10,8 +10,8 @@ import numpy as np
 
 from ipmlang.inverse.frames import compose, join
 from ipmlang.inverse.split.cost import HEAD
-from ipmlang.inverse.split.drafts import Draft, Limits
-from ipmlang.inverse.split.patterns import Memory, arranged
+from ipmlang.inverse.split.search.drafts import Draft, Limits
+from ipmlang.inverse.split.search.patterns import Memory, arranged
 from ipmlang.inverse.split.snapping import label_rows, members
 
 

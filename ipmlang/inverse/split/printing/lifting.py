@@ -15,7 +15,7 @@ import numpy as np
 from ipmlang.compiler import ast
 from ipmlang.inverse.split.cost import scheme_tokens
 from ipmlang.inverse.split.following import FEWEST
-from ipmlang.inverse.split.items import Wording
+from ipmlang.inverse.split.printing.items import Wording
 from ipmlang.inverse.split.scheme import Array, Cell, Octant, Place, Ring, Rule, Scheme, Split
 from ipmlang.inverse.split.wording import Vector, plus, times
 

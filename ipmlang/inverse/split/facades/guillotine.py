@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipmlang.inverse.frames import Floats, Integers
-from ipmlang.inverse.split.contents import Contents
 from ipmlang.inverse.split.distinct import numbered
+from ipmlang.inverse.split.facades.contents import Contents
 
 PROTRUDING = 0.15  # of its length that anything may stand out of its cell at either end
 LONGEST_PERIOD = 6  # groups that repeat together

@@ -26,8 +26,8 @@ from ipmlang.inverse.frames import (
 from ipmlang.inverse.naming import Names
 from ipmlang.inverse.numbers import shortest
 from ipmlang.inverse.split.placing import Precision, Spot, placed, spots, steps_to
+from ipmlang.inverse.split.printing.tables import cheapest
 from ipmlang.inverse.split.scheme import Array, Item, Octant, Place, Ring, Scheme, Split, Terminal
-from ipmlang.inverse.split.tables import cheapest
 from ipmlang.inverse.split.wording import (
     NOTHING,
     Vector,

@@ -12,10 +12,10 @@ import numpy as np
 
 from ipmlang.inverse.frames import Floats, Integers
 from ipmlang.inverse.split.cost import HEAD, placement_tokens
-from ipmlang.inverse.split.drafts import Draft, Limits, Motif
-from ipmlang.inverse.split.figures import Figure
 from ipmlang.inverse.split.listing import every_token
-from ipmlang.inverse.split.patterns import Arranged, Memory, arranged
+from ipmlang.inverse.split.search.drafts import Draft, Limits, Motif
+from ipmlang.inverse.split.search.figures import Figure
+from ipmlang.inverse.split.search.patterns import Arranged, Memory, arranged
 from ipmlang.inverse.split.snapping import label_rows, members
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from ipmlang.inverse.split.guillotine import Groups, Run
+from ipmlang.inverse.split.facades.guillotine import Groups, Run
 
 MISSING = 0.25  # of its length that the last cell may reach beyond its contents
 

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ipmlang.inverse.frames import Floats, Frames, compose, inverse, spread
+from ipmlang.inverse.frames import Frames, around, compose, inverse
 from ipmlang.inverse.split.cost import item_tokens, placement_tokens
 from ipmlang.inverse.split.scheme import (
     Array,
@@ -27,7 +27,6 @@ from ipmlang.inverse.split.scheme import (
 )
 
 TRIED = 8  # copies of a terminal that it may be moved to
-_CORNERS = np.array([[k & 1, k >> 1 & 1, k >> 2] for k in range(8)], np.float64)
 
 
 def at_home(scheme: Scheme, small: float) -> tuple[Scheme, dict[int, Frames]]:
@@ -106,8 +105,8 @@ def _moved(symbol: Symbol, number: int, homes: dict[int, Frames]) -> Symbol:
     if isinstance(symbol, Terminal):
         if number not in homes:
             return symbol
-        low, high = _box(homes[number], symbol.size)
-        return replace(symbol, size=high - low, low=low)
+        low, high = around(homes[number], np.zeros(3), symbol.size)
+        return replace(symbol, size=high[0] - low[0], low=low[0])
     items = tuple(
         _seen_from(item, homes[item.symbol])
         if isinstance(item, Place | Array | Ring) and item.symbol in homes
@@ -115,8 +114,3 @@ def _moved(symbol: Symbol, number: int, homes: dict[int, Frames]) -> Symbol:
         for item in symbol.items
     )
     return replace(symbol, items=items)
-
-
-def _box(home: Frames, size: Floats) -> tuple[Floats, Floats]:
-    corners = spread(home, _CORNERS * size)[0]
-    return corners.min(axis=0), corners.max(axis=0)

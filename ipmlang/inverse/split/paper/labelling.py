@@ -23,7 +23,7 @@ from ipmlang.inverse.frames import (
 )
 from ipmlang.inverse.parts.observation import Parts
 from ipmlang.inverse.split.distinct import numbered
-from ipmlang.inverse.split.tree import Tree
+from ipmlang.inverse.split.paper.tree import Tree
 
 TURNED = 1e-5  # differences of directions that do not count
 MOST = 2_000_000  # placements compared at once: beyond, subtrees are taken to differ

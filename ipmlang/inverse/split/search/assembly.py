@@ -10,11 +10,11 @@ import numpy as np
 
 from ipmlang.inverse.frames import Floats, Frames, Integers, compose, moved_to, spread
 from ipmlang.inverse.parts.observation import Parts
-from ipmlang.inverse.split.drafts import Draft, Limits
 from ipmlang.inverse.split.expansion import expand
-from ipmlang.inverse.split.figures import Figure, misses, of_class, probed, simplest
-from ipmlang.inverse.split.patterns import Memory, arranged
 from ipmlang.inverse.split.scheme import Item, Place, Rule, Scheme, Symbol, Terminal
+from ipmlang.inverse.split.search.drafts import Draft, Limits
+from ipmlang.inverse.split.search.figures import Figure, misses, of_class, probed, simplest
+from ipmlang.inverse.split.search.patterns import Memory, arranged
 
 CROWD = 400  # points above which only those on the outside are kept
 

@@ -14,11 +14,12 @@ from typing import TypeAlias, TypeGuard
 import numpy as np
 
 from ipmlang.inverse.frames import Floats, Frames, Integers
-from ipmlang.inverse.split.cells import Span, spans
 from ipmlang.inverse.split.changing import moved, named_symbols
-from ipmlang.inverse.split.contents import Contents, same, sorted_rows
 from ipmlang.inverse.split.cost import ASSET, item_tokens, placement_tokens, rule_tokens
-from ipmlang.inverse.split.guillotine import Groups, runs, side_by_side, ways
+from ipmlang.inverse.split.facades.cells import Span, spans
+from ipmlang.inverse.split.facades.contents import Contents, same, sorted_rows
+from ipmlang.inverse.split.facades.guillotine import Groups, runs, side_by_side, ways
+from ipmlang.inverse.split.paper.subdivisions import lattices
 from ipmlang.inverse.split.scheme import (
     Array,
     Cell,
@@ -32,7 +33,6 @@ from ipmlang.inverse.split.scheme import (
     Symbol,
     Terminal,
 )
-from ipmlang.inverse.split.subdivisions import lattices
 
 BONUS = 8  # tokens that a split may cost more where cells repeat, and has to save where none do
 MOST = 2500  # contents weighed in one rule, and in all

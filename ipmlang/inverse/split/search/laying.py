@@ -21,10 +21,10 @@ from ipmlang.inverse.frames import (
     moved_to,
 )
 from ipmlang.inverse.split.cost import placement_tokens
-from ipmlang.inverse.split.drafts import Draft, Limits, Motif, motif_box
-from ipmlang.inverse.split.fields import Field, field_of, look_up
-from ipmlang.inverse.split.figures import MOST_FRAMES, misses
-from ipmlang.inverse.split.growth import Grown
+from ipmlang.inverse.split.search.drafts import Draft, Limits, Motif, motif_box
+from ipmlang.inverse.split.search.fields import Field, field_of, look_up
+from ipmlang.inverse.split.search.figures import MOST_FRAMES, misses
+from ipmlang.inverse.split.search.growth import Grown
 
 TRIED = 6  # occurrences whose own way of standing the body may take
 
