@@ -88,10 +88,10 @@ def _rounding(
 
 NUMBERS = (
     Function("min", "The least of its arguments.", (*_A_B, Param("more", many=True)), "number",
-             exact.least, exact.least_one,
+             exact.least, exact.least_one, passing="pairs",
              examples=("min(1, 2)", "min(1, 2, 3)"), refused=("min(1)", 'min(1, "2")')),
     Function("max", "The greatest of its arguments.", (*_A_B, Param("more", many=True)), "number",
-             exact.greatest, exact.greatest_one,
+             exact.greatest, exact.greatest_one, passing="pairs",
              examples=("max(1, 2)", "max(1, 2, 3)"), refused=("max()", 'max(1, "2")')),
     Function("abs", "The distance from 0.", _ONE, "number", exact.absolute, exact.absolute_one,
              examples=("abs(-2)",), refused=("abs(1, 2)",)),
@@ -144,14 +144,14 @@ INEXACT = (
     Function("noise", "Smooth noise from -1 to 1 over the line, the plane or space; always the "
                       "same.",
              (Param("x"), Param("y", optional=True), Param("z", optional=True)), "number",
-             inexact.noise, inexact.one(inexact.noise), exact=False,
+             inexact.noise, inexact.one(inexact.noise), exact=False, passing="zeros",
              examples=("noise(0.3)", "noise(0.3, 1.2)"), refused=("noise()",)),
 )  # fmt: skip
 
 RANDOM = (
     Function("rand", "A random number from 0 to 1, from 0 to `a`, or from `a` to `b`.",
              (Param("a", optional=True), Param("b", optional=True)), "number",
-             exact.between, exact.between_one, random=True,
+             exact.between, exact.between_one, random=True, passing="range",
              examples=("rand()", "rand(5)", "rand(-5, 5)"), refused=('rand("a")', "rand(1, 2, 3)")),
     Function("irand", "A random whole number from `low` to `high`, both possible.",
              (Param("low"), Param("high")), "int",
@@ -159,7 +159,7 @@ RANDOM = (
              examples=("irand(1, 6)",), refused=("irand(6)",)),
     Function("pick", "One of its arguments, each as likely as the others.",
              (Param("value", "any"), Param("more", "any", many=True)), "any",
-             exact.pick, exact.pick_one, random=True,
+             exact.pick, exact.pick_one, random=True, passing="choice",
              examples=("pick(1, 2, 3)", 'pick("a", "b") == "a"'), refused=("pick()",)),
     Function("gauss", "A normally distributed random number.",
              (Param("mean"), Param("deviation")), "number",

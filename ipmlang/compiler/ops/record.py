@@ -84,6 +84,7 @@ class Operation:
 
 
 Batch: TypeAlias = "NDArray[np.float64]"
+Passing: TypeAlias = Literal["plain", "zeros", "range", "pairs", "choice"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +94,9 @@ class Function:
     `batch` maps f64 arrays (or scalars) to an array, `single` Python floats to a float, with the
     same bits. `result` is its type. `exact`: the same on every back end, so it may feed a guard.
     `random`: it draws, and takes the uniform of its call site as a hidden first argument.
+    `passing`: how a machine whose calls have a fixed number of arguments calls it: as it is
+    written, with 0 for what is left out, with a range that [0, 1) stands for, two arguments at a
+    time, or as a choice among any number of values.
     """
 
     name: str
@@ -103,6 +107,7 @@ class Function:
     single: Callable[..., float]
     exact: bool = True
     random: bool = False
+    passing: Passing = "plain"
     examples: tuple[str, ...] = ()
     refused: tuple[str, ...] = ()
 
