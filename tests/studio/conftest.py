@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from ipmlang.compiler.diagnostics import IpmError
+from ipmlang.runtime.gpu.device import release
 from ipmlang.studio.context import gl_context
 
 
@@ -16,3 +17,9 @@ def opengl() -> None:
             pass
     except IpmError as error:
         pytest.skip(f"no pictures can be drawn here: {error.diagnostics[0].message}")
+
+
+@pytest.fixture
+def no_device() -> None:
+    """No GPU held open by an earlier test, which would keep the context of pictures alive."""
+    release()

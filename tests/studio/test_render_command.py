@@ -36,7 +36,7 @@ def render(*words: str) -> int:
     return run_command_line(["render", *words, "--size", "80x50"])
 
 
-@pytest.mark.usefixtures("opengl")
+@pytest.mark.usefixtures("opengl", "no_device")
 def test_a_context_is_released_and_its_errors_are_explained() -> None:
     with pytest.raises(IpmError) as caught, gl_context() as context:
         context.framebuffer([context.texture((10**6, 10**6), 4)])
@@ -95,8 +95,9 @@ class TestWithOpenGL:
             assert image.getpixel((0, 0)) == (255, 255, 255)
 
 
+@pytest.mark.usefixtures("no_device")
 def test_a_drawing_needs_no_opengl(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("ipmlang.studio.context._context", _without_opengl)
+    monkeypatch.setattr("ipmlang.runtime.gpu.context._context", _without_opengl)
     assert render("flat.ipm", "-o", "x.png") == 0
     with Image.open(folder / "x.png") as image:
         assert image.size == (80, 50)
@@ -107,10 +108,11 @@ def test_a_drawing_needs_no_opengl(folder: Path, monkeypatch: pytest.MonkeyPatch
     assert render("flat.ipm", "-o", "x.gif", "--turntable", "2") == 0
 
 
+@pytest.mark.usefixtures("no_device")
 def test_without_opengl_the_packages_are_named(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("ipmlang.studio.context._context", _without_opengl)
+    monkeypatch.setattr("ipmlang.runtime.gpu.context._context", _without_opengl)
     assert render("tree.ipm", "-o", "x.png") == 1
     said = capsys.readouterr().err
     assert "error[no-opengl]" in said
@@ -119,6 +121,7 @@ def test_without_opengl_the_packages_are_named(
     assert not list(folder.glob("*.png"))
 
 
+@pytest.mark.usefixtures("no_device")
 def test_without_moderngl_pip_is_named(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -127,7 +130,7 @@ def test_without_moderngl_pip_is_named(
     assert "pip install moderngl" in capsys.readouterr().err
 
 
-def _without_opengl(**settings: str) -> None:
+def _without_opengl(version: int, **settings: str) -> None:
     raise Exception("libEGL.so.1 not loaded")  # what the library raises is no better
 
 
