@@ -20,6 +20,19 @@ Integers: TypeAlias = NDArray[np.int64]
 _HIGH = np.array([[k & 1, k >> 1 & 1, k >> 2] for k in range(8)], np.bool_)
 
 
+def _products() -> Floats:
+    """(16, 9) how often each product of two components counts in each entry of a turn's matrix."""
+    table = np.zeros((4, 4, 3, 3))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        table[j + 1, j + 1, i, i] = table[k + 1, k + 1, i, i] = -2.0
+        table[i + 1, j + 1, i, j] = table[i + 1, j + 1, j, i] = 2.0
+        table[0, k + 1, i, j], table[0, k + 1, j, i] = -2.0, 2.0
+    return table.reshape(16, 9)
+
+
+_PRODUCTS = _products()
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Frames:
     """n placements: around = position + scale * R(rotation) * diag(hand, 1, 1) * own.
@@ -78,21 +91,11 @@ def linear(frames: Frames) -> Floats:
 
 def turns(rotation: Floats) -> Floats:
     """(n, 3, 3) matrices of unit quaternions (n, 4)."""
-    turned = np.zeros((len(rotation), 3, 3))
-    turned[:, 0, 0] = turned[:, 1, 1] = turned[:, 2, 2] = 1.0
-    if not rotation[:, 1:].any():
-        return turned
-    w, x, y, z = rotation.T
-    turned[:, 0, 0] = 1 - 2 * (y * y + z * z)
-    turned[:, 0, 1] = 2 * (x * y - w * z)
-    turned[:, 0, 2] = 2 * (x * z + w * y)
-    turned[:, 1, 0] = 2 * (x * y + w * z)
-    turned[:, 1, 1] = 1 - 2 * (x * x + z * z)
-    turned[:, 1, 2] = 2 * (y * z - w * x)
-    turned[:, 2, 0] = 2 * (x * z - w * y)
-    turned[:, 2, 1] = 2 * (y * z + w * x)
-    turned[:, 2, 2] = 1 - 2 * (x * x + y * y)
-    return turned
+    turned = np.zeros((len(rotation), 9))
+    turned[:, ::4] = 1.0
+    if rotation[:, 1:].any():
+        turned += (rotation[:, :, None] * rotation[:, None]).reshape(-1, 16) @ _PRODUCTS
+    return turned.reshape(-1, 3, 3)
 
 
 def matrices(frames: Frames) -> Floats:
@@ -191,6 +194,8 @@ def multiply(a: Floats, b: Floats) -> Floats:
 
 def canonical(rotation: Floats) -> Floats:
     """The one of q and -q whose first component that is not 0 is positive."""
+    if (rotation[:, 0] > 1e-9).all():
+        return rotation + 0.0
     near = np.where(np.abs(rotation) > 1e-9, rotation, 0.0)
     first = np.argmax(near != 0, axis=1)
     sign = np.where(near[np.arange(len(near)), first] < 0, -1.0, 1.0)

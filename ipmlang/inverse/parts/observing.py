@@ -20,6 +20,7 @@ from ipmlang.formats.mesh_types import Mesh
 from ipmlang.inverse.frames import Floats, Integers, from_matrices
 from ipmlang.inverse.parts.axes import askew, straightened
 from ipmlang.inverse.parts.classes import MOST_SYMMETRY, Classes, ShapeClass, classified
+from ipmlang.inverse.parts.invariants import alike, centers
 from ipmlang.inverse.parts.mending import sound
 from ipmlang.inverse.parts.naming import class_names
 from ipmlang.inverse.parts.observation import PartClass, Parts
@@ -131,10 +132,13 @@ def _classes(pieces: Pieces, tolerance: float, same_triangles: bool) -> Classes:
     """The classes of parts; where asked for, of parts whose copies have the same triangles, unless
     that tells many more shapes apart: faces may begin at any of their corners.
     """
-    found = classified(pieces, tolerance)
     if not same_triangles or not (np.diff(pieces.offsets) > 3).any():
-        return found
+        return classified(pieces, tolerance)
     finer = classified(with_diagonals(pieces), tolerance)
+    at_least = len(alike(pieces, centers(pieces), tolerance))  # quicker than the classes
+    if len(finer.classes) <= FINER * at_least + 1:
+        return finer
+    found = classified(pieces, tolerance)
     return finer if len(finer.classes) <= FINER * len(found.classes) + 1 else found
 
 

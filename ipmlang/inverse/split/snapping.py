@@ -21,17 +21,19 @@ def snap(values: Floats, gap: float) -> Integers:
     >>> snap(np.array([3.0, 1.0, 1.0000001, 2.0]), 1e-3).tolist()
     [2, 0, 0, 1]
     """
-    order = np.argsort(values, kind="stable")
+    order = values.argsort(kind="stable")
+    ordered = values[order]
     labels = np.zeros(len(values), np.int64)
-    if len(values):
-        labels[order[1:]] = np.cumsum(np.diff(values[order]) > gap)
+    labels[order[1:]] = (ordered[1:] - ordered[:-1] > gap).cumsum()
     return labels
 
 
 def snap_columns(values: Floats, gap: float) -> Integers:
     """(n, c) labels, each column by itself; the gap is the same for all."""
-    columns = [snap(values[:, column], gap) for column in range(values.shape[1])]
-    return np.stack(columns, axis=1) if columns else np.zeros(values.shape, np.int64)
+    labels = np.zeros(values.shape, np.int64)
+    for column in range(values.shape[1]):
+        labels[:, column] = snap(values[:, column], gap)
+    return labels
 
 
 def label_rows(rows: NDArray[np.int64]) -> tuple[Integers, Integers]:
@@ -45,9 +47,12 @@ def label_rows(rows: NDArray[np.int64]) -> tuple[Integers, Integers]:
     keys = _keys(rows)
     if keys is None:
         _, label, count = np.unique(rows, axis=0, return_inverse=True, return_counts=True)
-    else:
-        _, label, count = np.unique(keys, return_inverse=True, return_counts=True)
-    return np.asarray(label, np.int64).reshape(-1), np.asarray(count, np.int64)
+        return np.asarray(label, np.int64).reshape(-1), np.asarray(count, np.int64)
+    order = keys.argsort(kind="stable")
+    ordered = keys[order]
+    label = np.zeros(len(keys), np.int64)
+    label[order[1:]] = (ordered[1:] != ordered[:-1]).cumsum()
+    return label, np.bincount(label)
 
 
 def _keys(rows: NDArray[np.int64]) -> Integers | None:
@@ -64,5 +69,6 @@ def _keys(rows: NDArray[np.int64]) -> Integers | None:
 
 def members(label: Integers, count: int) -> list[Integers]:
     """For each of `count` labels the rows that have it, in order."""
-    order = np.argsort(label, kind="stable")
-    return np.split(order, np.searchsorted(label[order], np.arange(1, count)))
+    order = label.argsort(kind="stable")
+    ends = np.bincount(label, minlength=count).cumsum().tolist()
+    return [order[begin:end] for begin, end in zip([0, *ends], ends, strict=False)]

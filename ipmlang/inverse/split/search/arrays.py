@@ -24,6 +24,7 @@ DIRECTIONS = 6  # directions that are followed
 LINES = 6  # longest lines, or fullest planes, that are tried along each
 FLAT = 0.2  # sine of the angle under which two directions do not span a plane
 SQUARE = 1e-6  # a direction this near to an axis is the axis
+FEWEST = (3, 4, 4)  # points of a row, a grid or a block
 DENSE = 16  # cells for each point, above which a lattice is not looked at
 
 
@@ -113,7 +114,7 @@ def _lattices(
     label = snap_columns(place, 2 * error)
     group, count = label_rows(label[:, size:])
     groups = members(group, len(count))
-    groups = [own for own in groups if len(own) >= 3 and len(own) > size]
+    groups = [own for own in groups if len(own) >= FEWEST[size - 1]]
     groups.sort(key=lambda own: (-len(own), int(own[0])))
     for own in groups[:LINES]:
         for rows in _choices(place[own, :size], label[own, :size], error, each):
@@ -128,9 +129,12 @@ def _choices(place: Floats, label: Integers, error: float, each: float) -> Itera
         yield np.sort(np.unique(label[:, 0], return_index=True)[1])
         yield from _even(place[:, 0], error)
         return
+    filled = _filled(label)
+    if filled is None:
+        return
     before = -1
     for hole in (float(place.shape[1]), 2 * each):  # with holes where they pay, and without
-        rows = _full_box(label, each, hole)
+        rows = filled.rows[filled.inside(_peeled(filled.dense, each, hole))]
         if len(rows) not in (before, 0, 1, 2) and (np.ptp(label[rows], axis=0) > 0).all():
             before = len(rows)
             yield rows
@@ -157,9 +161,23 @@ def _even(along: Floats, error: float) -> Iterator[Integers]:
                 yield order[best]
 
 
-def _full_box(label: Integers, each: float, hole: float) -> Integers:
-    """Rows of the points in the fullest box of a lattice: sparse slices are peeled off."""
-    rows = np.sort(np.unique(label, axis=0, return_index=True)[1])
+@dataclass(frozen=True, slots=True, eq=False)
+class _Filled:
+    """Rows of points (k,) with the slices (k, d) they are in, and which cells of these are dense."""
+
+    rows: Integers
+    index: Integers
+    dense: Flags
+
+    def inside(self, kept: list[Flags]) -> Flags:
+        """Which points are in these slices along each axis."""
+        alive = [own[self.index[:, axis]] for axis, own in enumerate(kept)]
+        return np.asarray(np.logical_and.reduce(alive))
+
+
+def _filled(label: Integers) -> _Filled | None:
+    """The points of a lattice in all slices that have several; None where there are too few."""
+    rows = _first_of_each(label)
     while True:  # a slice with a single point in it never pays
         slim = np.zeros(len(rows), np.bool_)
         for column in label[rows].T:
@@ -169,18 +187,24 @@ def _full_box(label: Integers, each: float, hole: float) -> Integers:
             break
         rows = rows[~slim]
         if len(rows) < 4:
-            return np.zeros(0, np.int64)
-    index = np.stack([np.unique(column, return_inverse=True)[1] for column in label[rows].T], 1)
+            return None
+    columns = label[rows].T
+    ranks = [np.cumsum(np.bincount(column) > 0) - 1 for column in columns]
+    index = np.stack([rank[column] for rank, column in zip(ranks, columns, strict=True)], axis=1)
     shape = tuple((index.max(axis=0) + 1).tolist())
     if np.prod(shape) > DENSE * len(rows):
-        return np.zeros(0, np.int64)
+        return None
     dense = np.zeros(shape, np.bool_)
     dense[tuple(index.T)] = True
-    kept = _peeled(dense, each, hole)
-    inside = np.ones(len(rows), np.bool_)
-    for axis, alive in enumerate(kept):
-        inside &= alive[index[:, axis]]
-    return rows[inside]
+    return _Filled(rows, index, dense)
+
+
+def _first_of_each(label: Integers) -> Integers:
+    """The first row of each kind, in order."""
+    kind, count = label_rows(label)
+    first = np.empty(len(count), np.int64)
+    first[kind[::-1]] = np.arange(len(kind))[::-1]
+    return np.sort(first)
 
 
 def _peeled(dense: Flags, each: float, hole: float) -> list[Flags]:
@@ -188,29 +212,44 @@ def _peeled(dense: Flags, each: float, hole: float) -> list[Flags]:
     sizes, axes = dense.shape, dense.ndim
     alive = [np.ones(size, np.bool_) for size in sizes]
     filled = dense.astype(np.float64)
-    best, least = [each_axis.copy() for each_axis in alive], -np.inf
+    amounts = [
+        filled.sum(axis=tuple(other for other in range(axes) if other != axis))
+        for axis in range(axes)
+    ]
+    left, there = list(sizes), float(filled.sum())
+    best, least = [own.copy() for own in alive], -np.inf
     while True:
-        whole = np.prod([own.sum() for own in alive])
-        there = float(filled.sum())
-        gain = each * there - hole * (whole - there) - sum(2.0 * own.sum() for own in alive)
+        whole = float(np.prod(left))
+        gain = each * there - hole * (whole - there) - 2.0 * sum(left)
         if gain > least:
             best, least = [own.copy() for own in alive], gain
         worst: tuple[float, int, int] | None = None
-        for axis, own in enumerate(alive):
-            if own.sum() <= 2:
+        for axis in range(axes):
+            if left[axis] <= 2:
                 continue
-            others = tuple(a for a in range(axes) if a != axis)
-            amount = filled.sum(axis=others)
-            value = each * amount - hole * (whole / own.sum() - amount)
-            value[~own] = np.inf
-            index = int(np.argmin(value))
-            if worst is None or value[index] < worst[0]:
-                worst = (float(value[index]), axis, index)
+            index = int(np.argmin(amounts[axis]))
+            amount = float(amounts[axis][index])
+            value = each * amount - hole * (whole / left[axis] - amount)
+            if worst is None or value < worst[0]:
+                worst = (value, axis, index)
         if worst is None or (gain < least and worst[0] > each):
             return best
         _, axis, index = worst
+        there -= float(amounts[axis][index])
+        left[axis] -= 1
         alive[axis][index] = False
-        filled[(slice(None),) * axis + (index,)] = 0.0
+        _take_out(filled, amounts, axis, index)
+
+
+def _take_out(filled: Floats, amounts: list[Floats], axis: int, index: int) -> None:
+    """Empty a slice, which is not to be found again, and count its cells out of the others."""
+    cut = (slice(None),) * axis + (index,)
+    slab = filled[cut]
+    crossed = [other for other in range(filled.ndim) if other != axis]
+    for place, other in enumerate(crossed):
+        amounts[other] -= slab.sum(axis=tuple(k for k in range(len(crossed)) if k != place))
+    filled[cut] = 0.0
+    amounts[axis][index] = np.inf
 
 
 def _fit(
@@ -273,7 +312,6 @@ def _offsets(direction: Direction) -> Floats:
 
 
 def _holes(digits: Integers, counts: list[int]) -> frozenset[tuple[int, ...]]:
-    there = {tuple(row) for row in digits.tolist()}
-    every = np.stack(np.meshgrid(*map(np.arange, counts), indexing="ij"), axis=-1)
-    every = every.reshape(-1, len(counts))
-    return frozenset(tuple(row) for row in every.tolist() if tuple(row) not in there)
+    there = np.zeros(counts, np.bool_)
+    there[tuple(digits.T)] = True
+    return frozenset(tuple(row) for row in np.argwhere(~there).tolist())

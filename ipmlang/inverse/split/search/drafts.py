@@ -22,7 +22,7 @@ from ipmlang.inverse.frames import (
     spread,
 )
 from ipmlang.inverse.parts.observation import Parts
-from ipmlang.inverse.split.search.figures import Figure, figure, of_class, simplest
+from ipmlang.inverse.split.search.figures import Figure, of_class, simplest
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,15 +88,14 @@ def boxes(draft: Draft) -> tuple[Floats, Floats]:
     return around(draft.frames, low, high)
 
 
-def with_motif(draft: Draft, motif: Motif, symmetry: Frames) -> Draft:
-    """The draft in which a motif's occurrences are uses of one more rule."""
-    low, high = motif_box(draft, motif)
+def with_motif(draft: Draft, motif: Motif, shape: Figure) -> Draft:
+    """The draft in which a motif's occurrences are uses of one more rule, whose figure is `shape`."""
     body, symbol = draft.bodies, len(draft.figures)
     kept = np.ones(len(draft), np.bool_)
     kept[motif.rows.ravel()] = False
     count, size = motif.rows.shape
     return Draft(
-        (*draft.figures, figure(low, high, symmetry)),
+        (*draft.figures, shape),
         draft.classes,
         np.concatenate([draft.body[kept], np.full(size, body), draft.body[motif.rows[:, 0]]]),
         np.concatenate([draft.symbol[kept], draft.symbol[motif.rows[0]], np.full(count, symbol)]),

@@ -7,7 +7,7 @@ first. What only hand placed stays a list.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from ipmlang.inverse.frames import Frames, Integers, linear
 from ipmlang.inverse.split.cost import item_tokens, placement_tokens
 from ipmlang.inverse.split.expansion import placements
 from ipmlang.inverse.split.listing import Listing, list_tokens, listing
-from ipmlang.inverse.split.scheme import Array, Item, Place
+from ipmlang.inverse.split.scheme import Array, Place, Ring
 from ipmlang.inverse.split.search.arrays import Lattice, lattices
 from ipmlang.inverse.split.search.drafts import Limits
 from ipmlang.inverse.split.search.figures import Figure, alternatives, misses, probed, simplest
@@ -35,7 +35,7 @@ class Arranged:
     -1 for those that stand singly; each (p,): tokens of every pattern.
     """
 
-    items: tuple[Item, ...]
+    items: tuple[Place | Array | Ring, ...]
     tokens: int
     patterns: Integers
     each: Integers
@@ -48,12 +48,14 @@ class Found:
     gain: float
     tokens: int
     rows: Integers
-    item: Item
+    item: Array | Ring
 
 
 @dataclass(slots=True, eq=False)
 class Memory:
-    """What was arranged before, so that it is not looked for again; work: placements looked at."""
+    """What was arranged before, by figures and frames, so that it is not looked for again; work:
+    placements looked at.
+    """
 
     known: dict[bytes, Arranged] = field(default_factory=dict)
     work: int = 0
@@ -63,15 +65,20 @@ def arranged(
     shape: Figure, frames: Frames, symbol: int, limits: Limits, memory: Memory
 ) -> Arranged:
     """Items for all frames (n,) of a symbol."""
-    key = symbol.to_bytes(4, "little") + b"".join(
-        column.tobytes() for column in (frames.position, frames.rotation, frames.hand)
-    )
+    key = b"".join(
+        column.tobytes()
+        for column in (
+            shape.images, frames.position, frames.rotation, frames.hand, frames.scale
+        )
+    )  # fmt: skip
     known = memory.known.get(key)
     if known is None:
         memory.work += len(frames)
         known = _arranged(shape, frames, symbol, limits)
         memory.known[key] = known
-    return known
+    if all(item.symbol == symbol for item in known.items):
+        return known
+    return replace(known, items=tuple(replace(item, symbol=symbol) for item in known.items))
 
 
 def _arranged(shape: Figure, frames: Frames, symbol: int, limits: Limits) -> Arranged:
@@ -83,7 +90,7 @@ def _arranged(shape: Figure, frames: Frames, symbol: int, limits: Limits) -> Arr
     listed = listing(plainest, alone, limits.small)
     groups = _turned_alike(shape, plainest, limits)
     left = np.ones(len(frames), np.bool_)
-    items: list[Item] = []
+    items: list[Place | Array | Ring] = []
     patterns, each = every * 0 - 1, []
     pool = _found(shape, plainest, groups, alone, left, symbol, limits)
     while pool and len(items) < MOST:

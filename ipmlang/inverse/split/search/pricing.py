@@ -75,7 +75,7 @@ def gain_of(base: Priced, motif: Motif, shape: Figure, limits: Limits, memory: M
     home = draft.body[motif.rows[:, 0]]
     for body in np.unique(home).tolist():
         outside = motif.places[home == body]
-        saved -= arranged(shape, outside, name, limits, Memory()).tokens
+        saved -= arranged(shape, outside, name, limits, memory).tokens
     return saved
 
 

@@ -25,7 +25,7 @@ from ipmlang.inverse.numbers import shortest
 from ipmlang.inverse.split.expansion import placements
 from ipmlang.inverse.split.scheme import Ring
 from ipmlang.inverse.split.search.figures import Figure, misses, probed
-from ipmlang.inverse.split.snapping import label_rows, snap_columns
+from ipmlang.inverse.split.snapping import Flags, label_rows, snap_columns
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
@@ -75,17 +75,27 @@ def _motions(
     motion = compose(compose(frames[two], own), inverse(frames[one]))
     turned = 2 * np.degrees(np.arccos(np.clip(np.abs(motion.rotation[:, 0]), 0, 1)))
     good = (motion.hand > 0) & (turned > LEAST)
-    one, matrix = one[good], matrices(motion[good])
+    one, matrix, turned = one[good], matrices(motion[good]), turned[good]
+    reach = max(float(np.abs(points).max()), 1e-9)
+    onward = ~_swaps(matrix, 1e-6 * reach)
+    one, matrix, turned = one[onward], matrix[onward], turned[onward]
     if len(one) == 0:
         return
-    reach = max(float(np.abs(points).max()), 1e-9)
     scaled = matrix.reshape(-1, 12) / np.tile([1, 1, 1, reach], 3)
     label, count = label_rows(snap_columns(scaled, max(1e-6, 8 * error / shape.reach)))
     _, start = np.unique(label, return_index=True)
-    angle = turned[good][start]
+    angle = turned[start]
     order = np.lexsort((start, np.round(angle, 4), -count))
     for kind in order[count[order] > 1][:MOTIONS].tolist():
         yield int(one[start[kind]]), matrix[start[kind]]
+
+
+def _swaps(motion: Floats, small: float) -> Flags:
+    """Which motions (m, 3, 4), done twice, leave everything where it was: no three stand so."""
+    turn, move = motion[:, :, :3], motion[:, :, 3]
+    back = np.abs(turn @ turn - np.eye(3)).max(axis=(1, 2)) < 1e-6
+    there = np.abs(np.einsum("mij,mj->mi", turn, move) + move).max(axis=1) < small
+    return np.asarray(back & there)
 
 
 def _pairs(center: Floats) -> tuple[Integers, Integers]:

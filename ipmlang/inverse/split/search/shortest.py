@@ -8,7 +8,7 @@ counted in lookups, so that the same parts give the same scheme everywhere. Noth
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 
 import numpy as np
@@ -27,7 +27,7 @@ from ipmlang.inverse.split.search.drafts import (
     with_motif,
 )
 from ipmlang.inverse.split.search.fields import Field, field_of
-from ipmlang.inverse.split.search.figures import figure
+from ipmlang.inverse.split.search.figures import Figure, figure
 from ipmlang.inverse.split.search.growth import Grown, grow
 from ipmlang.inverse.split.search.laying import laid, symmetry_of
 from ipmlang.inverse.split.search.patterns import Memory
@@ -97,10 +97,11 @@ def _searched(parts: Parts, limits: Limits, work: int) -> Scheme:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Offer:
-    """A motif that may pay; gain: the tokens it may save."""
+    """A motif that may pay, and the figure of its rule; gain: the tokens it may save."""
 
     gain: float
     motif: Motif
+    shape: Figure
 
 
 def _improved(draft: Draft, limits: Limits, memory: Memory, work: int) -> tuple[Draft | None, int]:
@@ -162,11 +163,13 @@ def _offers(field: Field, grown: list[Grown], share: Floats, limits: Limits) -> 
         if gain > 0:
             promising.setdefault(np.sort(each.rows.ravel()).tobytes(), (gain, each))
     ranked = sorted(promising.values(), key=lambda pair: (-pair[0], -pair[1].rows.size))
-    found = []
+    found: list[Offer] = []
     for gain, each in ranked[: 2 * TRIED]:
         motif = laid(field, each, limits)
         if motif is not None:
-            found.append(Offer(gain, motif))
+            found.append(Offer(gain, motif, _shape(field.draft, motif, limits)))
+        if len(found) == TRIED:
+            break
     return found
 
 
@@ -178,10 +181,10 @@ def _promise(share: Floats) -> float:
 def _taken(base: Priced, offers: list[Offer], limits: Limits, memory: Memory) -> Draft | None:
     """The draft with the best of the offers, and all others that still pay then."""
     good = []
-    for offer in offers[:TRIED]:
-        gain = _gain(base, offer.motif, limits, memory)
+    for offer in offers:
+        gain = gain_of(base, offer.motif, offer.shape, limits, memory)
         if gain >= LEAST:
-            good.append(Offer(gain, offer.motif))
+            good.append(replace(offer, gain=gain))
     good.sort(key=lambda offer: -offer.gain)
     where = np.arange(len(base.draft))
     result: Draft | None = None
@@ -192,9 +195,10 @@ def _taken(base: Priced, offers: list[Offer], limits: Limits, memory: Memory) ->
         motif = Motif(rows, offer.motif.places, offer.motif.inside)
         if result is not None:
             base = priced(result, limits, memory)
-            if _gain(base, motif, limits, memory) < max(LEAST, 0.5 * offer.gain):
+            gain = gain_of(base, motif, offer.shape, limits, memory)
+            if gain < max(LEAST, 0.5 * offer.gain):
                 continue
-        result = with_motif(base.draft, motif, symmetry_of(base.draft, motif, limits))
+        result = with_motif(base.draft, motif, offer.shape)
         kept = np.ones(len(base.draft), np.bool_)
         kept[rows.ravel()] = False
         number = np.where(kept, np.cumsum(kept) - 1, -1)
@@ -202,8 +206,7 @@ def _taken(base: Priced, offers: list[Offer], limits: Limits, memory: Memory) ->
     return result
 
 
-def _gain(base: Priced, motif: Motif, limits: Limits, memory: Memory) -> float:
-    """Tokens that a motif saves."""
-    low, high = motif_box(base.draft, motif)
-    shape = figure(low, high, symmetry_of(base.draft, motif, limits))
-    return gain_of(base, motif, shape, limits, memory)
+def _shape(draft: Draft, motif: Motif, limits: Limits) -> Figure:
+    """The figure of the rule that a motif would be."""
+    low, high = motif_box(draft, motif)
+    return figure(low, high, symmetry_of(draft, motif, limits))
