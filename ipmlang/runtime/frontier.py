@@ -107,11 +107,20 @@ class Frontier(Trimming):
                 self.pending = self._later.pop(self.phase)
             if levels is not None:
                 levels.next()
-            elif self.pending.count <= NARROW and not self.program.scoped and not self._recorder:
+            elif self.is_narrow():
                 self._single.run()
             else:
-                (symbol, generation), shapes = self.pending.next()
-                self.derive(symbol, generation, shapes)
+                self.advance()
+
+    def is_narrow(self) -> bool:
+        """Whether so little waits that shapes are derived one by one."""
+        few = self.pending.count <= NARROW
+        return few and not self.program.scoped and self._recorder is None
+
+    def advance(self) -> None:
+        """Derive some of what waits."""
+        (symbol, generation), shapes = self.pending.next()
+        self.derive(symbol, generation, shapes)
 
     def names(self) -> list[tuple[int, str]]:
         """Where in the numbers of shapes those of each name begin."""

@@ -92,6 +92,10 @@ class Counted:
             memory=max(self._limits.memory - used, 0),
         )
 
+    def most(self) -> int:
+        """How many shapes may still be made."""
+        return max(self._limits.shapes - self.shapes - self.strung, 0)
+
     def room(self, depth: int) -> int:
         """How many generations may still follow, and one more."""
         left = min(self._limits.steps, self._limits.depth) - depth

@@ -38,10 +38,11 @@ def derive_frontier(
     limits: ir.Limits,
     tell: Callable[[Lineage], None] | None = None,
     draws: Replay | Recording | None = None,
+    begin: Callable[..., Frontier] = Frontier,
 ) -> Scene | None:
     """Derive a program whose modules expand independently; None where they do not. `tell` gets the
     derivation tree, which is kept for it alone. `draws`: known choices of productions, or who notes
-    them, in a program with scopes.
+    them, in a program with scopes. `begin` makes the frontier.
 
     Raises IpmError where a limit is reached, no production applies, or a number is not finite.
     """
@@ -52,7 +53,7 @@ def derive_frontier(
     bound = Bound(program, attrs, FUNCTIONS)
     initial = fields(program)
     recorder = None if tell is None else Recorder()
-    frontier = Frontier(bound, initial, limits, steps_of(bound, seed), None, recorder, draws)
+    frontier = begin(bound, initial, limits, steps_of(bound, seed), None, recorder, draws)
     with np.errstate(all="ignore"):  # what is not finite is an error, not a warning
         try:
             frontier.run(seed)
@@ -61,7 +62,7 @@ def derive_frontier(
                 recorder = None if tell is None else Recorder()
                 if draws is not None:
                     draws.restart()
-                frontier = Frontier(
+                frontier = begin(
                     bound, initial, limits, steps_of(bound, seed), answers, recorder, draws
                 )
                 frontier.run(seed)

@@ -7,7 +7,7 @@ one number; unchanged columns are passed on, not copied.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -81,6 +81,14 @@ class Pending:
         batch = merged(found)
         self._note(key, batch.count)
         return key, batch
+
+    def take(self, wanted: Callable[[int], bool]) -> list[tuple[Key, Shapes]]:
+        """All shapes of the symbols that are wanted, which then wait no more."""
+        found = []
+        for key in sorted(each for each in self._counts if wanted(each[0])):
+            self.count -= self._counts.pop(key)
+            found.append((key, merged(self._chunks.pop(key))))
+        return found
 
     def level(self) -> list[tuple[Key, Shapes]]:
         """All shapes of the first generation that waits, by symbol."""

@@ -24,7 +24,7 @@ from ipmlang.runtime.scopes import boxes
 from ipmlang.runtime.scopes.boxes import FACE_QUATERNIONS, FACES, FLAT_FACE, SIZES, State
 from ipmlang.runtime.scopes.dividing import cell_counts, parts_of
 from ipmlang.runtime.scopes.framing import Framed, framed, joined
-from ipmlang.runtime.scopes.pool import BOX, NOTHING
+from ipmlang.runtime.scopes.pool import BOX, NOTHING, Pool
 from ipmlang.runtime.scopes.shaping import Given
 from ipmlang.runtime.scopes.tables import Table, distinct, table
 
@@ -166,7 +166,7 @@ def _boxes_apart(use: Apart) -> list[Batched] | None:
     lost = (sizes <= 0).sum(axis=1) > 1
     code = np.where(lost, -1, numbers * 4 + flat + 1)
     codes, kind = distinct(code)
-    chosen = [_faces_taken(use, each) for each in codes.tolist()]
+    chosen = [faces_taken(given.pool, use.selectors, each) for each in codes.tolist()]
     made = []
     for place in range(len(use.selectors)):
         many = np.array([len(each[place][0]) for each in chosen], np.int64)
@@ -199,11 +199,15 @@ def _batched(
     return Batched(counts, rows[owner], index.astype(np.uint32), many, state)
 
 
-def _faces_taken(use: Apart, code: int) -> list[tuple[list[int], list[int]]]:
-    """For each selector the faces that it takes of one kind of box, and their geometries."""
+def faces_taken(
+    pool: Pool, selectors: Sequence[ir.Const], code: int
+) -> list[tuple[list[int], list[int]]]:
+    """For each selector the faces that it takes of one kind of box, and their geometries; `code`:
+    four times the number of the box, and the axis along which it has no extent, from 1 on, or 0.
+    """
     if code < 0:
-        return [([], []) for _ in use.selectors]
-    pool, number, flat = use.given.pool, code >> 2, (code & 3) - 1
+        return [([], []) for _ in selectors]
+    number, flat = code >> 2, (code & 3) - 1
     tags = pool.tags(number)
     faces = range(6) if flat < 0 else (FLAT_FACE[flat],)
     own = tags if len(tags) == len(faces) else (frozenset[str](),) * len(faces)
@@ -211,7 +215,7 @@ def _faces_taken(use: Apart, code: int) -> list[tuple[list[int], list[int]]]:
         own = (frozenset.intersection(*tags),) * len(faces)
     words = [boxes.WORDS[face] | tag for face, tag in zip(faces, own, strict=True)]
     found = []
-    for taken in _taken(use.selectors, [words])[0]:
+    for taken in _taken(selectors, [words])[0]:
         geometry = [pool.box((own[each],)) for each in taken]
         found.append(([faces[each] for each in taken], geometry))
     return found

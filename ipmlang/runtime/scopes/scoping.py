@@ -202,11 +202,12 @@ class Scoping(Copying):
         columns = np.broadcast_arrays(np.asarray(geometry), begins, ends)
         code = columns[0].astype(np.int64) * 4 + columns[1] * 2 + columns[2]
         codes, place = distinct(code)
-        made = [self._cut_box(axis, each >> 2, each & 2, each & 1) for each in codes.tolist()]
+        made = [self.cut_box(axis, each >> 2, each & 2, each & 1) for each in codes.tolist()]
         found = np.array(made, np.float64)[place.reshape(code.shape)]
         return found if found.ndim else float(found)
 
-    def _cut_box(self, axis: int, number: int, begins: int, ends: int) -> int:
+    def cut_box(self, axis: int, number: int, begins: int, ends: int) -> int:
+        """The number of a box that is cut across an axis, where it begins, where it ends."""
         tags = list(self.pool.tags(number))
         if len(tags) == 6:
             near, far = {0: (5, 3), 1: (2, 4), 2: (0, 1), 3: (5, 3)}[axis]
