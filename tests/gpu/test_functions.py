@@ -6,19 +6,18 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import numpy as np
 import pytest
-from engine.gpu_values import GROUP, Column, Functions, randoms, specials
+from gpu.function_values import Column, Functions, randoms, run, specials
 from numpy.typing import NDArray
 
-from ipmlang.compiler.diagnostics import IpmError
 from ipmlang.compiler.ops import FUNCTIONS
 from ipmlang.compiler.ops.record import Function
 from ipmlang.runtime import keys
+from ipmlang.runtime.gpu.device import Device
 from ipmlang.runtime.gpu.functions import ARGUMENTS, FUNCTION_NUMBERS, arity, calls, source
-from ipmlang.studio.context import gl_context
 
 ROWS = 10_000
 
@@ -34,16 +33,10 @@ ulp of |mean| + 6 deviations: its sum may cancel.
 """
 
 
-@pytest.fixture(scope="module")
-def functions() -> Iterator[Functions]:
-    """The functions of the language on whatever runs OpenGL here."""
-    try:
-        with gl_context() as context:
-            if context.version_code < 430:
-                pytest.skip(f"OpenGL is {context.version_code / 100}; compute shaders need 4.3")
-            yield Functions(context)
-    except IpmError as error:
-        pytest.skip(str(error))
+@pytest.fixture
+def functions(card: Device) -> Functions:
+    """The functions of the language on whatever computes here; compiled once."""
+    return Functions(card)
 
 
 def lengths(record: Function) -> tuple[int, ...]:
@@ -158,7 +151,7 @@ def test_elementary_functions_are_near_the_c_library(functions: Functions, name:
     assert distance(name, functions(name, a), wanted, []).max() <= 3
 
 
-def test_quotients_and_roots_are_right_on_drivers_that_are_not(functions: Functions) -> None:
+def test_quotients_and_roots_are_right_on_drivers_that_are_not(card: Device) -> None:
     """GLSL lets quotients and roots be off by ulps; here every first guess is."""
     off = (
         f"1.0lf + {3 * 2.0**-52!r}lf * (uint(gl_GlobalInvocationID.x) % 2u == 0u ? 1.0lf : -1.0lf)"
@@ -167,7 +160,7 @@ def test_quotients_and_roots_are_right_on_drivers_that_are_not(functions: Functi
         f"#define FIRST_QUOTIENT(a, b) (((a) / (b)) * ({off}))\n"
         f"#define FIRST_ROOT(a) (sqrt(a) * ({off}))\n"
     )
-    skewed = Functions(functions.context, before)
+    skewed = Functions(card, before)
     random = np.random.default_rng(3)
     for name, count in (("div", 2), ("sqrt", 1), ("mod", 2), ("tiles", 2)):
         columns = [random.lognormal(0, 9, ROWS) for _ in range(count)]
@@ -193,17 +186,11 @@ void main() {
 """
 
 
-def test_keys_and_draws_have_the_same_bits(functions: Functions) -> None:
+def test_keys_and_draws_have_the_same_bits(card: Device) -> None:
     words = np.random.default_rng(5).integers(0, 2**32, (ROWS, 4), dtype=np.uint32)
     k0, k1, site, index = (words[:, column] for column in range(4))
-    context = functions.context
-    shader = context.compute_shader(f"#version 430\n{source()}\n{DRAW}")
-    given, target = context.buffer(words.tobytes()), context.buffer(reserve=32 * ROWS)
-    given.bind_to_storage_buffer(0)
-    target.bind_to_storage_buffer(1)
-    shader.run(-(-ROWS // GROUP))
-    context.finish()
-    found = np.frombuffer(target.read(), np.float64).reshape(ROWS, 4).T
+    shader = card.compile(f"#version 430\n{source()}\n{DRAW}", "draws")
+    found = run(card, shader, words, ROWS, 4).reshape(ROWS, 4).T
     for row in range(0, ROWS, 100):
         key = (int(k0[row]), int(k1[row]))
         at, copy = int(site[row]), int(index[row])

@@ -1,7 +1,7 @@
 """A compute shader that calls functions of the language on columns of numbers, and such columns:
 special values, and random ones near which two executors may part.
 
-In go a GL context and f64 columns, out come f64 columns. Knows no program and no turtle.
+In go a device and f64 columns, out come f64 columns. Knows no program and no turtle.
 """
 
 from __future__ import annotations
@@ -17,6 +17,8 @@ from ipmlang.runtime.gpu.functions import ARGUMENTS, Call, calls, source
 
 if TYPE_CHECKING:
     import moderngl
+
+    from ipmlang.runtime.gpu.device import Device
 
 Column: TypeAlias = NDArray[np.float64]
 
@@ -50,11 +52,11 @@ DRAWS = (0.0, 2.0**-24, 0.25, 0.5, 0.75, 1 - 2.0**-24, 1 / 3 // 2**-24 * 2**-24)
 
 
 class Functions:
-    """The functions of the language on a GPU. `before`: GLSL that goes before all."""
+    """The functions of the language on a device. `before`: GLSL that goes before all."""
 
-    def __init__(self, context: moderngl.Context, before: str = "") -> None:
-        self.context = context
-        self.shader = context.compute_shader(f"#version 430\n{before}\n{source()}\n{MAIN}")
+    def __init__(self, card: Device, before: str = "") -> None:
+        self.card = card
+        self.shader = card.compile(f"#version 430\n{before}\n{source()}\n{MAIN}", "functions")
 
     def __call__(self, name: str, *columns: Column) -> Column:
         """The value of a call, a row each: all calls of the machine that it takes, in turn."""
@@ -64,29 +66,32 @@ class Functions:
         return results[-1]
 
     def _called(self, call: Call, columns: Sequence[Column], results: Sequence[Column]) -> Column:
-        rows = len(columns[0])
-        given = np.zeros((ARGUMENTS, rows))
+        given = np.zeros((ARGUMENTS, len(columns[0])))
         for place, (kind, value) in enumerate(call.args):
             if kind == "number":
                 given[place] = value
             else:
                 given[place] = (columns if kind == "register" else results)[int(value)]
-        return self.run(call.function, given)
+        return self._run(call.function, given)
 
-    def run(self, number: int, given: Column) -> Column:
-        """The values of one function, for (ARGUMENTS, rows) numbers."""
+    def _run(self, number: int, given: Column) -> Column:
         rows = given.shape[1]
         self.shader["rows"], self.shader["number"] = rows, number
-        filled = self.context.buffer(given.tobytes())
-        target = self.context.buffer(reserve=8 * rows)
-        filled.bind_to_storage_buffer(0)
-        target.bind_to_storage_buffer(1)
-        self.shader.run(-(-rows // GROUP))
-        self.context.finish()
-        found = np.frombuffer(target.read(), np.float64)
-        del filled, target
-        self.context.gc()
-        return found
+        return run(self.card, self.shader, given, rows, 1)
+
+
+def run(
+    card: Device, shader: moderngl.ComputeShader, given: NDArray[np.generic], rows: int, width: int
+) -> Column:
+    """What a shader of one invocation a row makes of a buffer, (rows * width,)."""
+    filled, target = card.buffer(given.tobytes()), card.buffer(8 * rows * width)
+    filled.bind(0)
+    target.bind(1)
+    card.dispatch(shader, -(-rows // GROUP), "functions")
+    found = target.array(np.float64)
+    filled.release()
+    target.release()
+    return found
 
 
 def specials(count: int, *, draws: bool) -> list[Column]:
