@@ -119,6 +119,35 @@ def randoms(count: int, rows: int, *, draws: bool) -> list[Column]:
     return columns
 
 
+def hard_quotients() -> list[Column]:
+    """Dividends and divisors whose quotients are as near as can be to half way between two numbers:
+    with 53-bit whole A, B and odd N of 54 bits, A * 2^53 = N * B + c for a small c, so that A / B
+    is c / (2 * B) ulp away.
+    """
+    found = []
+    for divisor in range(2**52 + 1, 2**53, 2**45 + 2**20 + 6):
+        for rest in (-3, -1, 1, 3):
+            half_way = -rest * pow(divisor, -1, 2**53) % 2**53 + 2**53
+            dividend = (half_way * divisor + rest) >> 53
+            if dividend < 2**53:
+                found.append((dividend, divisor))
+    return list(np.array(found, np.float64).T)
+
+
+def hard_roots() -> Column:
+    """Numbers from 2 to 4 whose roots are as near as can be to half way between two numbers: with
+    53-bit whole S, they are S * S + S + c for a small c, and a multiple of 2^53.
+    """
+    found = []
+    for rest in range(-200, 202, 2):
+        for root in (0, 1):  # of S * S + S + c modulo 2, lifted to 2^53 a bit at a time
+            for bit in range(1, 53):
+                root += ((root * root + root + rest) >> bit & 1) << bit
+            if root * root >= 2**105:
+                found.append((root * root + root + rest) >> 53)
+    return np.array(found, np.float64) * 2.0**-51
+
+
 def _any(random: np.random.Generator, rows: int) -> Column:
     bits = random.integers(0, 2**64, rows, dtype=np.uint64).view(np.float64)
     spread = random.standard_normal(rows) * 10.0 ** random.integers(-3, 4, rows)

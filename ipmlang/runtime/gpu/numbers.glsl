@@ -183,7 +183,7 @@ double quotient(double a, double b) {
 // half way either; its rest is a multiple of the square of an ulp.
 double near_root(double a) {
     precise double s = FIRST_ROOT(a);
-    s += 0.5lf * quotient_rest(a, s, s) / s;
+    s += 0.5lf * FIRST_QUOTIENT(quotient_rest(a, s, s), s);
     precise double rest = quotient_rest(a, s, s);
     if (rest > s * ULP_OF_ONE) return s + ULP_OF_ONE;
     return rest <= -s * ULP_OF_ONE ? s - ULP_OF_ONE : s;
@@ -229,7 +229,7 @@ double remainder_of(double a, double b) {
     while (left > 0) {
         int bits = min(left, 48);
         rest *= power_of_two(bits);
-        rest = quotient_rest(rest, whole_below(rest / size), size);
+        rest = quotient_rest(rest, whole_below(FIRST_QUOTIENT(rest, size)), size);
         if (rest < 0.0lf) rest += size;
         if (rest >= size) rest -= size;
         left -= bits;
