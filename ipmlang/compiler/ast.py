@@ -452,13 +452,16 @@ class Surface:
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """`context mask = "mask.png"`, `context wind : vector = "wind.png"`; kind is texture, scalar
-    or vector.
+    """`context mask = "mask.png" over (0, 0, 200, 100)`, `context wind : vector = "wind.npy"`;
+    kind is texture, scalar or vector. `place`: left, bottom, width and height of the rectangle of
+    the ground that it covers; `nearest`: single texels, nothing between them.
     """
 
     name: str
     reference: str
     kind: Literal["texture", "scalar", "vector"] = "texture"
+    place: tuple[Expr, ...] | None = None
+    nearest: bool = False
     comments: tuple[Comment, ...] = field(default=(), compare=False)
     blank_before: bool = field(default=False, compare=False)
     span: Span = field(default=NOWHERE, compare=False)

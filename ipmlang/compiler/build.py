@@ -48,6 +48,10 @@ def build_option(members: Members, start: int, end: int) -> tuple[str, object, i
     return members[0], members[1], start, end
 
 
+def build_option_word(members: Members, start: int, end: int) -> tuple[str, object, int, int]:
+    return members[0], True, start, end
+
+
 def build_option_text(members: Members, start: int, end: int) -> tuple[str, object, int, int]:
     return members[0], unquote(members[1], end - len(members[1])), start, end
 

@@ -6,6 +6,8 @@ are checked here, where their places are still known.
 
 from __future__ import annotations
 
+from typing import Any, Literal, TypeAlias
+
 from ipmlang.compiler import ast
 from ipmlang.compiler.ast import Span
 from ipmlang.compiler.automaton import Members
@@ -13,7 +15,10 @@ from ipmlang.compiler.build import once
 from ipmlang.compiler.build_expressions import UnbuildableError, build_literals_list, unquote
 from ipmlang.compiler.diagnostics import nearest
 
-FIELD_KINDS = ("texture", "scalar", "vector")
+FieldKind: TypeAlias = Literal["texture", "scalar", "vector"]
+Options: TypeAlias = "list[tuple[str, Any, int, int]]"
+
+FIELD_KINDS: tuple[FieldKind, ...] = ("texture", "scalar", "vector")
 
 
 def build_version(members: Members, start: int, end: int) -> ast.Version:
@@ -111,14 +116,28 @@ def build_surface_atlas(members: Members, start: int, end: int) -> ast.Surface:
 
 
 def build_field_plain(members: Members, start: int, end: int) -> ast.Field:
-    reference = unquote(members[3], end - len(members[3]))
-    return ast.Field(members[1], reference, span=Span(start, end))
+    return _field(members[1], "texture", members[3], members[4], start, end)
 
 
 def build_field_kind(members: Members, start: int, end: int) -> ast.Field:
-    reference = unquote(members[5], end - len(members[5]))
     _known(members[3], FIELD_KINDS, "kind of context", start, end)
-    return ast.Field(members[1], reference, members[3], span=Span(start, end))
+    return _field(members[1], members[3], members[5], members[6], start, end)
+
+
+def _field(
+    name: str, kind: FieldKind, text: str, options: Options, start: int, end: int
+) -> ast.Field:
+    found = once(options)
+    place = found.get("over")
+    if place is not None and len(place) != 4:
+        raise UnbuildableError(
+            "wrong-count",
+            "what a context lies over has four numbers: left, bottom, width, height",
+            start,
+            end,
+        )
+    nearest = bool(found.get("nearest"))
+    return ast.Field(name, unquote(text, start), kind, place, nearest, span=Span(start, end))
 
 
 def build_range_closed(members: Members, start: int, end: int) -> ast.Range:

@@ -22,11 +22,22 @@ SymbolKind: TypeAlias = Literal["rule", "asset", "site", "broken", "terminal"]
 
 
 @dataclass(frozen=True, slots=True)
+class Sampled:
+    """What is known of a context: how many channels its file has, None where unknown, and whether
+    it lies over a part of the ground.
+    """
+
+    channels: int | None
+    placed: bool
+
+
+@dataclass(frozen=True, slots=True)
 class ValueEntry:
     """What a top-level name stands for in expressions. `type` is that of its value, or of a
     function's result; `parameters` are a function's, `takes` their types; `columns` a
-    table's, None where unknown; `exact`: it may feed a guard; `item` indexes its file's items. Of a
-    broken one only the name is known: its item or its import could not be read.
+    table's, None where unknown; `exact`: it may feed a guard; `item` indexes its file's items;
+    `sampled` is what is known of a context. Of a broken one only the name is known: its item or its
+    import could not be read.
     """
 
     kind: ValueKind
@@ -36,6 +47,7 @@ class ValueEntry:
     takes: tuple[ValueType, ...] = ()
     exact: bool = True
     item: int = field(default=-1, compare=False)
+    sampled: Sampled | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -305,9 +305,8 @@ def _declaration(item: ast.Item) -> list[str]:
             return ["table", name, "=", quote(reference or "")]
         case ast.Surface(name=name, reference=reference, atlas=atlas):
             return ["surface", name, "=", quote(reference), *([f"atlas {atlas}"] if atlas else [])]
-        case ast.Field(name=name, reference=reference, kind=kind):
-            kinds = [] if kind == "texture" else [":", kind]
-            return ["context", name, *kinds, "=", quote(reference)]
+        case ast.Field():
+            return _field_words(item)
         case ast.Attr():
             return _attr_words(item)
         case ast.Const(name=name, value=value):
@@ -336,6 +335,14 @@ def _declaration(item: ast.Item) -> list[str]:
             raise AssertionError("rules and starts have layouts of their own")
         case _:
             assert_never(item)
+
+
+def _field_words(field: ast.Field) -> list[str]:
+    kinds = [] if field.kind == "texture" else [":", field.kind]
+    words = ["context", field.name, *kinds, "=", quote(field.reference)]
+    if field.place is not None:
+        words += ["over", *row_words(field.place)]
+    return [*words, "nearest"] if field.nearest else words
 
 
 def _attr_words(attr: ast.Attr) -> list[str]:

@@ -13,6 +13,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal, TypeAlias
 
+from ipmlang.compiler.diagnostics import Source
+
 Opcode: TypeAlias = Literal[
     # values: write register `out`
     "const",  # const: float
@@ -25,6 +27,7 @@ Opcode: TypeAlias = Literal[
     "state",  # const: sx, sy, sz (the scope's extents), x, y, z (its origin), label
     "measure",  # const: area, volume or sides of the geometry; axis, step or length of u or v
     "count",  # const: repeat number; how many copies there are
+    "fetch",  # args (x, y) on the ground; const (context number, channel)
     "query",  # args: labels or keys, and what goes with them; const: name of a query; site
     "self",  # a number that tells the shapes of a batch apart
     # children and structure of a body
@@ -68,8 +71,8 @@ Const: TypeAlias = "float | int | str | tuple[object, ...] | None"
 Chance: TypeAlias = "tuple[Literal['percent', 'weight'], tuple[Instruction, ...], int]"
 
 VALUE_OPS = frozenset({
-    "const", "param", "attr", "index", "row", "call", "uniform", "state", "measure", "count",
-    "query", "self",
+    "const", "param", "attr", "index", "row", "call", "uniform", "fetch", "state", "measure",
+    "count", "query", "self",
 })  # fmt: skip
 BODY_OPS = frozenset({
     "module", "open", "close", "repeat", "slab", "slab_along", "pieces", "piece", "snapped", "part",
@@ -183,6 +186,29 @@ class AssetFile:
     node: str | None
 
 
+Rectangle: TypeAlias = "tuple[float, float, float, float]"
+
+
+@dataclass(frozen=True, slots=True)
+class ContextFile:
+    """A picture or field that code samples: name, absolute path, kind, and left, bottom, width and
+    height of what it covers of the ground. `late`: code over the attributes and the registers of
+    these four, where it decides them; `place` is None until a run starts. `nearest`: single texels
+    are given. `channels`: how many must be there. `source`, `start`, `end`: its item, for messages.
+    """
+
+    name: str
+    path: Path
+    kind: Literal["texture", "scalar", "vector"]
+    place: Rectangle | None = (0.0, 0.0, 1.0, 1.0)
+    late: tuple[tuple[Instruction, ...], tuple[int, ...]] | None = None
+    nearest: bool = False
+    channels: int = 1
+    source: Source | None = field(default=None, compare=False, repr=False)
+    start: int = 0
+    end: int = 0
+
+
 @dataclass(frozen=True, slots=True)
 class TableData:
     """Rows of numbers. Text cells are numbers of Program.strings."""
@@ -254,7 +280,7 @@ class Program:
     `strings`: interned text values; a text in a register is its number. `scoped`: shapes have a
     scope and geometry; `ground`: what the start stands on, None for a turtle or a unit square;
     `varied`: the attributes whose defaults are drawn for each first shape of a file: they are the
-    axiom's parameters, in this order.
+    axiom's parameters, in this order. `contexts`: what `fetch` samples.
     """
 
     symbols: tuple[Symbol, ...]
@@ -282,3 +308,4 @@ class Program:
     scoped: bool = False
     ground: Ground | None = None
     varied: tuple[int, ...] = ()
+    contexts: tuple[ContextFile, ...] = ()

@@ -53,6 +53,8 @@ def dump(program: ir.Program) -> str:
         lines.append(f"residual {program.tables[program.residual.table].name}")
     for number, asset in enumerate(program.assets):
         lines.append(f"asset {number} {asset.name} {asset.path.name}#{asset.node or ''}")
+    for number, context in enumerate(program.contexts):
+        lines.append(f"context {number} {context.name} : {context.kind} {context.path.name}")
     for number, symbol in enumerate(program.symbols):
         lines += _symbol(program, number, symbol)
     lines += ["start", *_code(program, program.axiom.body, 1)]

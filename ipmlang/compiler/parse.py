@@ -9,7 +9,7 @@ item, `ipm import style asset table surface context attr const fn turtle limit t
 axes residual site start interpret`; in expressions, `if then else and or not true false`; in a
 successor, `repeat split set with`; after the colon of a head, `else weight`; after the axiom of
 `start`, `on steps seeds direction with avoiding retries choices`; and `as style extends in atlas
-radius except box polygon` after what they belong to.
+radius except box polygon over nearest` after what they belong to.
 """
 
 from __future__ import annotations

@@ -57,8 +57,18 @@ ITEMS = {
     'table T = "x.parts.svg#T"': "Rows of named columns in a parts file.",
     "table T(x, y) = (1, 2), (3, 4)": "The same written out.",
     'surface wall = "statue.obj" atlas 1024': "A surface to march on.",
-    'context mask = "mask.png"': "A texture that rules can ask; `: scalar` and `: vector` fields "
-    "too.",
+    'context mask = "mask.png" over (0, 0, 200, 100)': "A picture (png, jpg) that rules ask with "
+    "`fetch`, and left, bottom, width and height of the part of the ground that it covers, which "
+    "constants and attributes may say; without `over` it covers the unit square, (0, 0, 1, 1). Its "
+    "lowest row of pixels lies at the bottom, each channel goes from 0 to 1. With `nearest` at the "
+    "end each texel is one value to its edges: kinds of zones, and what decides something. At most "
+    "67 million pixels.",
+    'context height : scalar = "ground.npy" over (0, 0, 9, 9)': "A field of numbers as they are, "
+    "from an array that `numpy.save` wrote, (rows, columns), or from a grey picture, 0 to 1. The "
+    "first row lies at the top, as in a picture.",
+    'context wind : vector = "wind.npy" over (0, 0, 9, 9)': "A field of vectors, (rows, columns, 2 "
+    "or 3); of a picture, red, green and blue stand for x, y and z, from -1 for black to 1 for "
+    "white.",
     'attr floors : int = 6 in 1..60 "storeys"': "What a user may set: type (int, float, bool, "
     "string), "
     "default, range or `{ … }` choices, meaning.",

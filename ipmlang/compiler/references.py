@@ -20,6 +20,7 @@ MESHES = (".glb", ".obj", ".ply", ".stl")
 NAMED = (".svg", ".glb", ".obj")
 TABLES = (".svg", ".glb")
 PICTURES = (".png", ".jpg", ".jpeg")
+FIELDS = (".npy",)
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +35,7 @@ class Problem:
 
 Names: TypeAlias = "frozenset[str] | Problem | None"
 Columns: TypeAlias = "tuple[str, ...] | Problem | None"
+Channels: TypeAlias = "int | Problem"
 _Kept = TypeVar("_Kept")
 _Stamp: TypeAlias = tuple[str, str, int, int]
 
@@ -44,6 +46,7 @@ class Seen:
 
     names: dict[_Stamp, Names] = field(default_factory=dict)
     columns: dict[_Stamp, Columns] = field(default_factory=dict)
+    channels: dict[_Stamp, Channels] = field(default_factory=dict)
     limit: int = 1000
 
 
@@ -75,8 +78,8 @@ class References:
                 yield from _problem(self.node(reference, DRAWINGS + MESHES))
             case ast.Surface(reference=reference) | ast.Site(reference=reference):
                 yield from _problem(self.node(reference, MESHES))
-            case ast.Field(reference=reference):
-                yield from _problem(self.node(reference, PICTURES))
+            case ast.Field(reference=reference, kind=kind):
+                yield from _problem(self.channels(reference, kind))
             case ast.Table(reference=str(reference)):
                 yield from _problem(self.table(reference))
             case ast.Start(place=ast.Place(kind="file", reference=str(reference))):
@@ -108,6 +111,16 @@ class References:
         if isinstance(path, Problem):
             return path
         return self._remembered(self.seen.columns, path, node, lambda: _columns_in(path, node))
+
+    def channels(self, reference: str, kind: str) -> Channels:
+        """How many channels a picture or a field has that fits a kind of context."""
+        path = self.node(reference, PICTURES + FIELDS)
+        if isinstance(path, Problem):
+            return path
+        found = self._remembered(self.seen.channels, path, "", lambda: _channels_in(path))
+        if isinstance(found, Problem):
+            return found
+        return _unfit(path, kind, found) or found
 
     def file(self, name: str, suffixes: tuple[str, ...]) -> Path | Problem:
         """The path of a file that exists, lies in the folder and has a known suffix."""
@@ -193,3 +206,31 @@ def _columns_in(path: Path, node: str) -> Columns:
         return Problem("bad-table", f"{path.name}: {error.message}", error.hint)
     except ImportError:
         return None
+
+
+def _channels_in(path: Path) -> Channels:
+    from ipmlang.formats import FormatError
+    from ipmlang.formats.pixels import pixel_extent
+
+    try:
+        return pixel_extent(path).channels
+    except FormatError as error:
+        return Problem("bad-file", error.message, error.hint)
+
+
+def _unfit(path: Path, kind: str, channels: int) -> Problem | None:
+    """Why a file cannot be a context of a kind."""
+    picture = path.suffix.lower() in PICTURES
+    name = f"{path.name} has {channels} channel{'s' * (channels > 1)}"
+    if kind == "texture" and not picture:
+        wanted = "scalar" if channels == 1 else "vector"
+        message, hint = f"{path.name} is a field, not a picture", f"write `context … : {wanted} =`"
+    elif kind == "scalar" and channels > 1:
+        message = f"{name}, and a scalar field has one"
+        hint = "save it as a picture in grey" if picture else "write `context … : vector =`"
+    elif kind == "vector" and channels < (3 if picture else 2):
+        message = f"{name}, and a vector field has {'red, green and blue' if picture else 'two'}"
+        hint = "write `context … : scalar =`"
+    else:
+        return None
+    return Problem("wrong-channels", message, hint)

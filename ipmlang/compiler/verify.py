@@ -171,6 +171,8 @@ def _instruction(
                 yield f"{where}: there is no query {each.const}"
         case "row":
             yield from _cell(where, program, each)
+        case "fetch":
+            yield from _sample(where, program, each)
         case "emit":
             if isinstance(each.const, int) and each.const >= len(program.assets):
                 yield f"{where}: there is no asset {each.const}"
@@ -197,6 +199,16 @@ def _cell(where: str, program: ir.Program, each: ir.Instruction) -> Iterator[str
     known = isinstance(table, int) and table < len(program.tables)
     if not known or column not in range(len(program.tables[int(str(table))].columns)):
         yield f"{where}: there is no cell {each.const}"
+
+
+def _sample(where: str, program: ir.Program, each: ir.Instruction) -> Iterator[str]:
+    assert isinstance(each.const, tuple)
+    number, channel = each.const
+    yield from _below(where, "context", number, len(program.contexts))
+    if isinstance(number, int) and 0 <= number < len(program.contexts):
+        yield from _below(where, "channel", channel, program.contexts[number].channels)
+    if len(each.args) != 2:
+        yield f"{where}: fetch takes 2 arguments, not {len(each.args)}"
 
 
 def _alternatives(program: ir.Program, symbol: ir.Symbol) -> Iterator[str]:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ipmlang.compiler import ir
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail, nearest
 from ipmlang.runtime import keys
-from ipmlang.runtime.code import Column, compile_values
+from ipmlang.runtime.code import NO_DATA, Column, compile_values
 
 Given = int | float | bool | str
 PHRASES = {
@@ -85,7 +85,7 @@ def varied(program: ir.Program, k0: keys.Words, k1: keys.Words) -> tuple[Column,
     for attr in program.attrs:
         code, register = attr.default
         batch, _ = compile_values(code, (register,))
-        found = batch((), k0, k1, {}, known, ())[0]  # type: ignore[arg-type]  # columns, too
+        found = batch((), k0, k1, {}, known, NO_DATA)[0]  # type: ignore[arg-type]  # columns, too
         known.append(np.round(found) if attr.type == "int" else found)
     for number in program.varied:
         _refuse_outside(program.attrs[number], np.atleast_1d(known[number]), program.strings)
@@ -109,16 +109,19 @@ def evaluated(
 ) -> tuple[float, ...]:
     """Numbers over the attributes of a run, with the seed's root key."""
     _, single = compile_values(tuple(code), tuple(outputs))
-    return single((), *keys.root(seed), {}, attrs, ())
+    return single((), *keys.root(seed), {}, attrs, NO_DATA)
 
 
 def _settled(program: ir.Program, values: list[float], seed: int) -> ir.Program:
     """The program with the settings that its attributes decide."""
+    if program.contexts:
+        contexts = tuple(_laid(each, values, seed) for each in program.contexts)
+        program = replace(program, contexts=contexts)
     late = program.late
     if late is None:
         return program
     wanted = (*(late.tropism or ()), *(register for _, register in late.limits))
-    found = list(compile_values(late.code, wanted)[1]((), *keys.root(seed), {}, values, ()))
+    found = list(compile_values(late.code, wanted)[1]((), *keys.root(seed), {}, values, NO_DATA))
     if late.tropism is not None:
         x, y, z, elasticity = found[:4]
         del found[:4]
@@ -131,6 +134,26 @@ def _settled(program: ir.Program, values: list[float], seed: int) -> ir.Program:
     return replace(program, limits=replace(program.limits, **limits))
 
 
+def _laid(context: ir.ContextFile, values: list[float], seed: int) -> ir.ContextFile:
+    """A context with the rectangle that it covers."""
+    place = context.place
+    if context.late is not None:
+        left, bottom, width, height = evaluated(*context.late, values, seed)
+        place = (left, bottom, width, height)
+    assert place is not None
+    if math.isfinite(sum(place)) and min(place[2:]) > 0:
+        return replace(context, place=place)
+    numbers = ", ".join(f"{each:g}" for each in place)
+    raise fail(
+        "out-of-range",
+        f"the context `{context.name}` would lie over ({numbers})",
+        hint="left, bottom, width and height: width and height must be above 0",
+        source=context.source,
+        start=context.start,
+        end=context.end,
+    )
+
+
 def _limit(name: str, value: float) -> int:
     if not 1 <= value < math.inf:
         raise fail("out-of-range", f"`limit {name}` is {value:g}, but must be 1 or more")
@@ -141,7 +164,7 @@ def _default(program: ir.Program, attr: ir.Attribute, before: list[float], seed:
     code, register = attr.default
     _, single = compile_values(code, (register,))
     k0, k1 = keys.root(seed)
-    value = float(single((), k0, k1, {}, before, ())[0])
+    value = float(single((), k0, k1, {}, before, NO_DATA)[0])
     return float(round(value)) if attr.type == "int" and math.isfinite(value) else value
 
 

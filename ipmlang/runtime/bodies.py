@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 
 from ipmlang.compiler import ir
 from ipmlang.runtime.algebra import Operand, Source
-from ipmlang.runtime.code import INFIX, Names, expression, source
+from ipmlang.runtime.code import INFIX, Data, Names, expression, source
 from ipmlang.runtime.fields import FRAME, IDENTITY, UNSET
 from ipmlang.runtime.fields import SCOPE as SCOPE_FIELDS
 from ipmlang.runtime.grouping import FIELD
@@ -57,11 +57,14 @@ class Scope:
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """What all bodies of a run share: the program, its fields and the values of its attributes."""
+    """What all bodies of a run share: the program, its fields, the values of its attributes, and
+    what code reads besides its registers.
+    """
 
     program: ir.Program
     fields: tuple[str, ...]
     attrs: tuple[float, ...]
+    data: Data
 
 
 class Writer:

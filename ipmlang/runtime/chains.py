@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ipmlang.compiler import ir
 from ipmlang.runtime import keys
 from ipmlang.runtime.algebra import Source
-from ipmlang.runtime.code import Batched, Names, compile_values, expression, needed, source
+from ipmlang.runtime.code import Batched, Data, Names, compile_values, expression, needed, source
 from ipmlang.runtime.primitives import function
 
 Columns: TypeAlias = Sequence["NDArray[np.float64] | list[float]"]
@@ -63,6 +63,7 @@ def walk_of(
     production: ir.Production,
     tail: ir.Instruction,
     attrs: tuple[float, ...],
+    data: Data,
     space: Mapping[str, object],
 ) -> Walk:
     """The function that walks a chain."""
@@ -77,7 +78,7 @@ def walk_of(
         rows = min(FIRST, limit)
         while True:
             columns = [_run(*pair, rows + 1) for pair in zip(params, changes, strict=True)]
-            count = _held(guard, [column[:-1] for column in columns], attrs)
+            count = _held(guard, [column[:-1] for column in columns], attrs, data)
             if count < rows or rows == limit:
                 break
             rows = min(rows * 8, limit)
@@ -150,10 +151,15 @@ def _run(first: float, change: Change, count: int) -> NDArray[np.float64]:
     return np.add.accumulate(column) if kind == "add" else np.multiply.accumulate(column)
 
 
-def _held(guard: Batched, columns: Sequence[NDArray[np.float64]], attrs: tuple[float, ...]) -> int:
+def _held(
+    guard: Batched,
+    columns: Sequence[NDArray[np.float64]],
+    attrs: tuple[float, ...],
+    data: Data,
+) -> int:
     """In how many rows, from the first on, the guard holds."""
     nothing = np.zeros(0, np.uint32)
-    truth = guard(columns, nothing, nothing, {}, attrs, ())[0]
+    truth = guard(columns, nothing, nothing, {}, attrs, data)[0]
     holds = np.broadcast_to(np.asarray(truth) != 0, (len(columns[0]),))
     return len(holds) if holds.all() else int(np.argmin(holds))
 

@@ -19,15 +19,27 @@ from ipmlang.compiler import ir
 from ipmlang.compiler.ops import FUNCTIONS
 from ipmlang.runtime import keys
 from ipmlang.runtime.keys import Words
+from ipmlang.runtime.sampling import Context, fetch, fetch_single
 
 Column: TypeAlias = "float | NDArray[np.float64]"
 Tables: TypeAlias = Sequence[Sequence[NDArray[np.float64]]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Data:
+    """What code reads besides its registers: tables by column, and contexts."""
+
+    tables: Tables = ()
+    contexts: Sequence[Context] = ()
+
+
+NO_DATA = Data()  # of code that runs before there are shapes
 Batched: TypeAlias = Callable[
-    [Sequence[Column], Words, Words, Mapping[int, Words], Sequence[float], Tables],
+    [Sequence[Column], Words, Words, Mapping[int, Words], Sequence[float], Data],
     tuple[Column, ...],
 ]
 Single: TypeAlias = Callable[
-    [Sequence[float], int, int, Mapping[int, int], Sequence[float], Tables], tuple[float, ...]
+    [Sequence[float], int, int, Mapping[int, int], Sequence[float], Data], tuple[float, ...]
 ]
 
 INFIX = {"add": "+", "sub": "-", "mul": "*"}  # the same bits in numpy and in Python
@@ -58,7 +70,12 @@ def expression(each: ir.Instruction, args: Sequence[str | float], names: Names) 
         case "row":
             assert isinstance(each.const, tuple)
             table, column = each.const
-            return f"cell(tables[{table}][{column}], {args[0]!s})"
+            return f"cell(data.tables[{table}][{column}], {args[0]!s})"
+        case "fetch":
+            assert isinstance(each.const, tuple)
+            context, channel = each.const
+            x, y = (source(arg) for arg in args)
+            return f"fetch(data.contexts[{context}], {channel}, {x}, {y})"
         case "uniform":
             return f"uniform({names.keys}, {each.site}{names.copies})"
         case _:
@@ -117,6 +134,7 @@ def namespace(single: bool) -> dict[str, object]:
         **functions,
         "uniform": uniform,
         "cell": cell_of,
+        "fetch": fetch_single if single else fetch,
         "as_number": as_number,
         "nan": float("nan"),
         "inf": float("inf"),
@@ -127,7 +145,7 @@ def namespace(single: bool) -> dict[str, object]:
 def compile_values(
     instructions: tuple[ir.Instruction, ...], outputs: tuple[int, ...]
 ) -> tuple[Batched, Single]:
-    """Functions of (params, key words, copy numbers by repeat, attrs, tables) to the outputs.
+    """Functions of (params, key words, copy numbers by repeat, attrs, data) to the outputs.
 
     The batched one takes (n,) columns or numbers and keeps numbers that are the same for all.
     """
@@ -140,7 +158,7 @@ def compile_values(
     )
     wanted = needed(instructions, outputs)
     values: dict[int, str | float] = {}
-    lines = ["def values(params, k0, k1, index, attrs, tables):"]
+    lines = ["def values(params, k0, k1, index, attrs, data):"]
     for each in instructions:
         if each.out not in wanted:
             continue

@@ -105,15 +105,7 @@ class Compiled:
         return cast("Body", made)
 
     def _space(self, single: bool) -> dict[str, object]:
-        return {**self._spaces[single], "tables": self._tables()}
-
-    def _tables(self) -> object:
-        import numpy as np
-
-        return [
-            np.array(table.rows, np.float64).reshape(len(table.rows), len(table.columns)).T
-            for table in self._program.tables
-        ]
+        return {**self._spaces[single], "data": self._setting.data}
 
     # ------------------------------------------------------------------------- choices
 
@@ -185,8 +177,8 @@ class Compiled:
         if code is None:
             return None
         _, single = compile_values(code[0], (code[1],))
-        attrs, tables = self._setting.attrs, self._tables()
-        return lambda params, k0, k1: single(params, k0, k1, {}, attrs, tables)[0]  # type: ignore[arg-type]
+        attrs, data = self._setting.attrs, self._setting.data
+        return lambda params, k0, k1: single(params, k0, k1, {}, attrs, data)[0]
 
     def _chain(self, symbol: int) -> Chain | None:
         numbers = self._program.symbols[symbol].productions
@@ -211,7 +203,8 @@ class Compiled:
             f"({slots}), ({ended})",
             self._space(False),
         )
-        walk = walk_of(production, tail, self._setting.attrs, self._space(True))
+        setting = self._setting
+        walk = walk_of(production, tail, setting.attrs, setting.data, self._space(True))
         return Chain(numbers[0], walk, cast("Drawing", body))
 
 

@@ -76,7 +76,7 @@ class Frontier(Trimming):
         self._initial = initial
         self.fields = tuple(initial)
         self.steps = steps
-        self.compiled = Compiled(Setting(bound.program, self.fields, bound.attrs))
+        self.compiled = Compiled(Setting(bound.program, self.fields, bound.attrs, bound.data))
         self.pending = Pending()
         self._later: dict[float, Pending] = {}  # what waits for other phases
         self.following = 0  # the generation of the shapes that are made now

@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 from ipmlang.compiler import ir
 from ipmlang.compiler.ops.record import Function
 from ipmlang.runtime import keys
-from ipmlang.runtime.code import as_number, cell_of
+from ipmlang.runtime.code import Data, as_number, cell_of
 from ipmlang.runtime.fields import SCOPE
 from ipmlang.runtime.keys import Words
+from ipmlang.runtime.sampling import fetch, load_contexts
 from ipmlang.runtime.scan import Real, Whole
 
 Value: TypeAlias = "float | Real"
@@ -27,18 +28,29 @@ Flags: TypeAlias = NDArray[np.bool_]
 
 
 class Bound:
-    """A program with values for its attributes, and its tables as columns."""
+    """A program with values for its attributes, and what its code reads: tables as columns, and
+    contexts, which are loaded unless `data` has them already.
+    """
 
     def __init__(
-        self, program: ir.Program, attrs: Sequence[float], functions: Mapping[str, Function]
+        self,
+        program: ir.Program,
+        attrs: Sequence[float],
+        functions: Mapping[str, Function],
+        data: Data | None = None,
     ) -> None:
         self.program = program
         self.attrs = tuple(float(value) for value in attrs)
         self.functions = functions
-        self.tables = [
-            np.array(table.rows, np.float64).reshape(len(table.rows), len(table.columns))
-            for table in program.tables
-        ]
+        self.data = data or Data(
+            [
+                list(
+                    np.array(table.rows, np.float64).reshape(len(table.rows), len(table.columns)).T
+                )
+                for table in program.tables
+            ],
+            load_contexts(program),
+        )
 
 
 class Measures(Protocol):
@@ -133,6 +145,8 @@ class Batch:
                 return as_number(dict(self.copies)[int(str(each.const))])
             case "row":
                 return self._cell(each)
+            case "fetch":
+                return self._sample(each)
             case "call":
                 function = self.bound.functions[str(each.const)]
                 return function.batch(*(self.get(register) for register in each.args))
@@ -161,8 +175,14 @@ class Batch:
     def _cell(self, each: ir.Instruction) -> Value:
         assert isinstance(each.const, tuple)
         number, column = each.const
-        cells = self.bound.tables[int(str(number))][:, int(str(column))]
+        cells = self.bound.data.tables[int(str(number))][int(str(column))]
         return cell_of(cells, self.get(each.args[0]))
+
+    def _sample(self, each: ir.Instruction) -> Value:
+        assert isinstance(each.const, tuple)
+        number, channel = (int(str(part)) for part in each.const)
+        x, y = (self.get(register) for register in each.args)
+        return fetch(self.bound.data.contexts[number], channel, x, y)
 
     def take(self, rows: Whole) -> Batch:
         """The shapes of some rows, with no registers yet."""

@@ -18,7 +18,10 @@ from ipmlang.compiler.load import load_text
 from ipmlang.compiler.ops import ALL_OPERATIONS, FUNCTIONS, OPERATIONS, QUERIES, leaves_plane
 from ipmlang.compiler.ops.record import Function, Operation, Query
 
-AROUND = 'ipm 1\nasset win = "parts/fence.parts.svg#rail"\n'
+AROUND = (
+    'ipm 1\nasset win = "parts/fence.parts.svg#rail"\n'
+    'context mask = "parts/mask.png" over (0, 0, 10, 10)\n'
+)
 FOLDER = Path(__file__).resolve().parents[1] / "errors"
 
 

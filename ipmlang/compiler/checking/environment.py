@@ -13,9 +13,10 @@ from functools import cache as remember
 from typing import TypeAlias
 
 from ipmlang.compiler import ast
-from ipmlang.compiler.checked import SymbolEntry, ValueEntry, ValueKind
+from ipmlang.compiler.checked import Sampled, SymbolEntry, ValueEntry
 from ipmlang.compiler.diagnostics import nearest
 from ipmlang.compiler.load import File, import_name
+from ipmlang.compiler.ops.record import ValueType
 from ipmlang.compiler.references import DRAWINGS, MESHES, PICTURES, Problem
 from ipmlang.compiler.styles import names_of, styles_of
 from ipmlang.compiler.types import ATTR_TYPES
@@ -207,6 +208,8 @@ def _declare(environment: Environment, index: int, item: ast.Item) -> None:
             environment.steps = True
         case ast.Table(name, reference=str(reference)):
             _declare_columns(environment, name, reference)
+        case ast.Field():
+            _declare_channels(environment, item)
         case _:
             pass
 
@@ -227,6 +230,13 @@ def _declare_columns(environment: Environment, name: str, reference: str) -> Non
     environment.values[name] = replace(environment.values[name], columns=known)
 
 
+def _declare_channels(environment: Environment, item: ast.Field) -> None:
+    channels = environment.file.references.channels(item.reference, item.kind)
+    known = None if isinstance(channels, Problem) else channels
+    sampled = Sampled(known, item.place is not None)
+    environment.values[item.name] = replace(environment.values[item.name], sampled=sampled)
+
+
 def values_of(item: ast.Item, index: int) -> Iterable[tuple[str, ValueEntry]]:
     """The names that an item defines for expressions, types of constants still open."""
     match item:
@@ -244,9 +254,9 @@ def values_of(item: ast.Item, index: int) -> Iterable[tuple[str, ValueEntry]]:
             yield name, ValueEntry("table", columns=columns, item=index)
         case ast.Surface(name):
             yield name, ValueEntry("surface", item=index)
-        case ast.Field(name, kind=kind):
-            sampled: ValueKind = "context"
-            yield name, ValueEntry(sampled, "vector" if kind == "vector" else "number", item=index)
+        case ast.Field(name, kind=kind, nearest=exact):
+            result: ValueType = "vector" if kind == "vector" else "number"
+            yield name, ValueEntry("context", result, exact=exact, item=index)
         case ast.Site(name):
             yield name, ValueEntry("site", item=index)
         case _:

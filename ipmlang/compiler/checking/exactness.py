@@ -20,9 +20,16 @@ def warn_inexact(scope: Scope, expr: ast.Expr, what: str) -> None:
             part.span,
             "inexact-decision",
             f"{what} hangs on `{name}`, whose last digits differ between machines",
-            hint="round what it gives, so that a tiny difference decides nothing",
+            hint=_mend(scope, name),
             warning=True,
         )
+
+
+def _mend(scope: Scope, name: str) -> str:
+    entry = None if name in scope.locals else scope.view.value(name)
+    if entry is not None and entry.kind == "context":
+        return "`nearest` at the end of its item gives single texels, exactly"
+    return "round what it gives, so that a tiny difference decides nothing"
 
 
 def inexact_part(scope: Scope, expr: ast.Expr) -> ast.Name | ast.Call | None:

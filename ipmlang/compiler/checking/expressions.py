@@ -14,6 +14,7 @@ from typing import Literal, assert_never
 from ipmlang.compiler import ast
 from ipmlang.compiler.checked import ValueEntry
 from ipmlang.compiler.checking.asked import note_asked
+from ipmlang.compiler.checking.contexts import check_fetched, want_context
 from ipmlang.compiler.checking.environment import View
 from ipmlang.compiler.checking.findings import Findings
 from ipmlang.compiler.diagnostics import nearest
@@ -60,6 +61,9 @@ class Scope:
 
 def want(scope: Scope, expr: ast.Expr, expected: ValueType, what: str) -> None:
     """Check that an expression has a type; `what` it is for, as "`distance` of `f`"."""
+    if expected == "context":
+        want_context(scope.view, scope.findings, scope.locals, expr, what)
+        return
     if isinstance(expr, ast.Name) and _ask(scope, expr, expected):
         return
     if isinstance(expr, ast.If) and expected != "any":
@@ -298,7 +302,8 @@ def _call(scope: Scope, call: ast.Call) -> ValueType:
     if query is not None and query.params is not None:
         if not query.ready:
             scope.findings.not_ready.append((call.name, call.span))
-        note_asked(scope.findings, query, call)
+        if not check_fetched(scope.view, scope.findings, query, call):
+            note_asked(scope.findings, query, call)
         _arguments(scope, call, query.params)
         return query.result
     if entry is not None and entry.kind == "broken":

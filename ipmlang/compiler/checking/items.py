@@ -57,7 +57,9 @@ def check_item(environment: Environment, item: ast.Item) -> Findings:
             want(scope, vector, "vector", "the direction of a tropism")
             want(scope, elasticity, "number", "the strength of a tropism")
         case ast.Canvas():
-            _canvas(scope, item)
+            _rectangle(scope, item.box, "the canvas")
+        case ast.Field(place=place) if place is not None:
+            _rectangle(scope, place, "the context")
         case ast.Residual():
             check_residual(scope, item)
         case ast.Site(radius=radius) if radius is not None:
@@ -311,11 +313,11 @@ def _settings(
         check_argument(scope, param, setting.value, item)
 
 
-def _canvas(scope: Scope, canvas: ast.Canvas) -> None:
-    for number in canvas.box:
-        want(scope, number, "number", "a number of the canvas")
-    for number, name in zip(canvas.box[2:], ("width", "height"), strict=True):
-        _above_zero(scope, number, f"the canvas's {name}")
+def _rectangle(scope: Scope, box: tuple[ast.Expr, ...], whose: str) -> None:
+    for number in box:
+        want(scope, number, "number", f"a number of {whose}")
+    for number, name in zip(box[2:], ("width", "height"), strict=True):
+        _above_zero(scope, number, f"{whose}'s {name}")
 
 
 def _above_zero(scope: Scope, expr: ast.Expr, what: str) -> None:

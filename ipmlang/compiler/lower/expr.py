@@ -13,7 +13,8 @@ from typing import Literal, TypeAlias, assert_never
 
 from ipmlang.compiler import ast, ir
 from ipmlang.compiler.diagnostics import IpmError
-from ipmlang.compiler.lower.names import Unit
+from ipmlang.compiler.lower.names import Place, Unit
+from ipmlang.compiler.lower.sampling import fetched
 from ipmlang.compiler.ops import CONSTANTS, FUNCTIONS, OPERATORS, PREFIXES, QUERIES
 
 QUERY_SITE = 0x38000000  # queries are numbered apart: a new one leaves all draws as they were
@@ -58,11 +59,14 @@ _Key: TypeAlias = tuple[ir.Opcode, object]
 
 @dataclass(slots=True, eq=False)
 class Pool:
-    """What the whole program shares: interned texts, the numbers of attributes and of assets."""
+    """What the whole program shares: interned texts, the numbers of attributes and of assets, and
+    the contexts with the last channel of each that is asked for.
+    """
 
     strings: dict[str, int] = field(default_factory=dict)
     attrs: dict[str, int] = field(default_factory=dict)
     assets: dict[ir.AssetFile, int] = field(default_factory=dict)
+    contexts: dict[tuple[int, int], tuple[Place, int]] = field(default_factory=dict)
 
     def text(self, value: str) -> Known:
         """A text as its number."""
@@ -75,6 +79,12 @@ class Pool:
             node = name.rpartition(".")[2]
         made = ir.AssetFile(name, (unit.folder / file).absolute(), node or None)
         return self.assets.setdefault(made, len(self.assets))
+
+    def context(self, place: Place, channel: int) -> int:
+        """The number of a context."""
+        key = (id(place.unit), place.item)
+        self.contexts[key] = (place, max(channel, self.contexts.get(key, (place, 0))[1]))
+        return list(self.contexts).index(key)
 
 
 @dataclass(slots=True, eq=False)
@@ -182,6 +192,10 @@ class Code:
         self.counter.queries += 1
         registers = tuple(self.register(arg) for arg in args)
         return self._append("query", registers, name, QUERY_SITE + self.counter.queries)
+
+    def fetch(self, context: int, channel: int, x: Operand, y: Operand) -> Operand:
+        """What a context is somewhere on the ground."""
+        return self._append("fetch", (self.register(x), self.register(y)), (context, channel))
 
     def number(self, value: float) -> Operand:
         """A known number."""
@@ -294,6 +308,10 @@ class Code:
                 case ast.Asset() as item:
                     name = expr.id.rpartition(".")[2]
                     return Known(float(self.pool.asset(place.unit, name, item)))
+                case ast.Field():
+                    message = f"`{expr.id}` alone has no value that this version can compute"
+                    hint = f"where the shape stands it is fetch({expr.id})"
+                    raise self.error(expr.span, "not-executable", message, hint)
                 case _:
                     pass
         if expr.id in QUERIES and QUERIES[expr.id].ready:
@@ -314,6 +332,9 @@ class Code:
         return self.measure(what) if of == "geometry" else self.state(what)
 
     def _call(self, expr: ast.Call, names: Environment) -> Operand:
+        query = QUERIES.get(expr.name) if self.unit.find(expr.name) is None else None
+        if query is not None and query.params and query.params[0].type == "context":
+            return fetched(self, expr, names)
         args = [self.value(each.value, names) for each in self._ordered(expr)]
         place = self.unit.find(expr.name)
         if place is not None:

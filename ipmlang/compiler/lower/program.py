@@ -18,6 +18,7 @@ from ipmlang.compiler.lower.expr import Code, Pool
 from ipmlang.compiler.lower.meaning import Meanings, steps_of
 from ipmlang.compiler.lower.names import Place, Unit
 from ipmlang.compiler.lower.productions import axiom, production
+from ipmlang.compiler.lower.sampling import context_files
 from ipmlang.compiler.lower.strings import Misplaced, Strings
 from ipmlang.compiler.lower.tables import Tables
 from ipmlang.compiler.ops import OPERATIONS, Operation
@@ -108,6 +109,7 @@ class Lowering:
             scoped,
             ground,
             made.varied,
+            context_files(self._pool),
         )
 
     # ------------------------------------------------------------------ what bodies ask

@@ -123,6 +123,26 @@ FUNCTIONS = (
            "dealt out among what descends from the same shape of that label." + _PHASES + ".",
            (Param("key", "string"), Param("whole"), _WITHIN),
            ('share("wish", 30)', 'share("wish", 30, "block")'), ('share("wish")', "share(1, 2)")),
+    Query(
+        "fetch",
+        "What a `context` is at x and y of the ground, of a picture from 0 for black to 1 for "
+        "white, of a field its number. Without x and y it is asked where the shape's scope has its "
+        "origin. The channel is 0, 1, 2, 3 for red, green, blue and opacity, or a vector's x, y "
+        "and z; left out, it is 0: of a grey picture its grey. Between the middles of four texels "
+        "it is interpolated, with `nearest` it is that of the texel that x and y lie in; beyond "
+        "its edges a context goes on as it is there.",
+        "number",
+        "scope",
+        (
+            Param("context", "context"),
+            Param("x", optional=True),
+            Param("y", optional=True),
+            Param("channel", "int", optional=True),
+        ),
+        ready=True,
+        examples=("fetch(mask, 3, 4)", "fetch(mask)", "fetch(mask, scope.x, scope.y, 0)"),
+        refused=("fetch()", "fetch(1, 2, 3)", "fetch(mask, 1)", "fetch(mask, 1, 2, 1)"),
+    ),
 )  # fmt: skip
 
 OCCLUSION = frozenset({"inside", "overlaps", "touches", "distance"})  # what takes two passes

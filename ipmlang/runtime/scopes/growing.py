@@ -61,7 +61,8 @@ def _grow(run: Frontier, symbol: int, generation: int, shapes: Shapes, mirrored:
     state = dict(zip(run.fields, shapes.state, strict=True))
     program = _with_first(run.program, run.fields, mirrored)
     budget = Budget(run.counted.left(generation))
-    rewriter = Rewriter(Bound(program, run.bound.attrs, FUNCTIONS), budget, run.draws)
+    bound = Bound(program, run.bound.attrs, FUNCTIONS, run.bound.data)
+    rewriter = Rewriter(bound, budget, run.draws)
     start = Block(np.zeros(1, np.int64), [_branches(program, symbol, shapes, state)])
     steps = None if run.steps is None else max(run.steps - generation, 0)
     try:
