@@ -141,11 +141,13 @@ def test_nothing_is_drawn_in_a_frame_of_no_numbers(body: str, ground: str) -> No
         grammar.run()
 
 
-def test_a_roof_on_a_batch_of_nothing() -> None:
-    for roof in ("roofGable(20)", "roofHip(20)", "setback(1) { all: C }", "innerRect"):
+def test_an_operation_on_a_batch_of_nothing() -> None:
+    operations = ("roofGable(20)", "roofHip(20)", "setback(1) { all: C }", "innerRect",
+                  "subdivide(2, 2, 1)", "split x { ~1: subdivide(2, 1, 1) B }")  # fmt: skip
+    for operation in operations:
         for parts in ("rest: {} B", "rest: extrude(2) comp {{ top: {} B }}"):
-            own = parts.format(roof)
-            own = own.replace("} B", "}") if roof.startswith("setback") else own
+            own = parts.format(operation)
+            own = own.replace("} B", "}") if operation.endswith("}") else own
             text = f"ipm 1\nA --> setback(9) {{ all: W | {own} }}\nstart A on box(4, 4, 0)\n"
             scene = ipmlang.parse(text).run()
             assert {scene.labels[each] for each in scene.instances.label} == {"W"}

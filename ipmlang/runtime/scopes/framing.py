@@ -34,8 +34,13 @@ class Framed:
     geometry: Floats
 
 
+NONE = Framed(np.zeros((0, 3)), np.zeros((0, 4)), np.zeros((0, 3)), np.zeros(0))
+
+
 def joined(parts: Sequence[Framed]) -> Framed:
     """The scopes of several lots of pieces, one after the other."""
+    if not parts:
+        return NONE
     columns = (
         [getattr(part, name) for part in parts] for name in ("corner", "turn", "size", "geometry")
     )
@@ -47,7 +52,7 @@ def framed(pool: Pool, pieces: Sequence[Piece]) -> Framed:
     """The scopes of pieces."""
     count = len(pieces)
     if not count:
-        return Framed(np.zeros((0, 3)), np.zeros((0, 4)), np.zeros((0, 3)), np.zeros(0))
+        return NONE
     axes = np.array([OWN if piece.axes is None else piece.axes for piece in pieces])
     many = np.array([len(piece.solid.vertices) for piece in pieces])
     starts = np.cumsum(many) - many

@@ -222,9 +222,9 @@ class Scoping(Copying):
         self, name: str, count: int, args: Sequence[Column], state: State, shown: Rows
     ) -> State:
         """What an operation makes of scopes and geometries; the columns that it changes."""
+        if not (count if shown is None else len(shown)):
+            return state
         if shown is not None:
-            if not len(shown):
-                return state
             args = [self._there(arg, shown, count) for arg in args]
         given = Given(self.program, self.pool, name, args, count)
         differing = given.texts()

@@ -99,7 +99,7 @@ class Trimming(Snapping):
         self, name: str, count: int, args: Sequence[Column], state: State, shown: Rows
     ) -> State:
         """What an operation makes of scopes and geometries; the columns that it changes."""
-        if name == TRIM:
+        if name == TRIM and count:
             edges = Given(self.program, self.pool, name, args, count).word(0) if args else "all"
             chosen = cast("Edges", edges)
             return {**state, **trimmed(self.trims, self.pool, count, state, shown, chosen)}
