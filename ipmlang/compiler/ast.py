@@ -169,10 +169,13 @@ class Count:
 
 @dataclass(frozen=True, slots=True)
 class Rows:
-    """The head `r in T` of a repeat, or its `with r in T`: r names a row of table T."""
+    """The head `r in T` of a repeat, or its `with r in T`: r names a row of table T. The head
+    `at T` names it `at`, and each copy stands alone, at the place that its row says.
+    """
 
     variable: str
     table: str
+    places: bool = False
     span: Span = field(default=NOWHERE, compare=False)
 
 
@@ -423,7 +426,8 @@ class Asset:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """`table T = "x.parts.svg#T"`, or inline: `table T(x, y) = (1, 2), (3, 4)`.
+    """`table T = "x.parts.svg#T"`, or inline: `table T(x, y) =` and rows `1, 2`, or
+    `(a + 1, 2)` where a cell is more than a number or a text.
 
     `row_comments` are pairs of a row's index and a comment above it or behind it.
     """

@@ -89,7 +89,11 @@ def build_count(members: Members, start: int, end: int) -> ast.Count:
 
 
 def build_rows(members: Members, start: int, end: int) -> ast.Rows:
-    return ast.Rows(members[0], members[2], Span(start, end))
+    return ast.Rows(members[0], members[2], span=Span(start, end))
+
+
+def build_places(members: Members, start: int, end: int) -> ast.Rows:
+    return ast.Rows("at", members[1], True, Span(start, end))
 
 
 def build_repeat(members: Members, start: int, end: int) -> ast.Repeat:

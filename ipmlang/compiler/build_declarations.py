@@ -82,6 +82,12 @@ def build_row_literals(
     return tuple(build_literals_list(members, start, end)), start, end
 
 
+def build_row_plain(
+    members: Members, start: int, end: int
+) -> tuple[tuple[ast.Expr, ...], int, int]:
+    return tuple(members[0]), start, end
+
+
 def build_table_inline(members: Members, start: int, end: int) -> ast.Table:
     columns, rows = tuple(members[3]), members[6]
     for values, row_start, row_end in rows:

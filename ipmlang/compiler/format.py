@@ -269,18 +269,25 @@ def _place_words(place: ast.Place) -> list[str]:
 
 
 def _inline_table(table: ast.Table) -> list[str]:
-    """One row per line."""
+    """One row per line, in brackets only where a cell is more than a number or a text."""
+    cells = (cell for row in table.rows for cell in row)
+    plain = all(isinstance(cell, ast.Number | ast.Text) for cell in cells)
     page = Page(f"table {table.name}({', '.join(table.columns)}) =")
     by_row: dict[int, list[ast.Comment]] = {}
     for index, comment in table.row_comments:
         by_row.setdefault(index, []).append(comment)
+    if plain and table.rows and len(table.columns) == 1 and not by_row:
+        page.break_line(INDENT)
+        page.words([word for (cell,) in table.rows for word in expression_words(cell)], INDENT)
+        return page.finish()
     for index, row in enumerate(table.rows):
         comments = by_row.get(index, [])
         for comment in comments:
             if not comment.trailing:
                 page.comment(comment, INDENT)
         page.break_line(INDENT)
-        page.words(row_words(row), 2 * INDENT)
+        words = comma_separated([expression_words(cell) for cell in row])
+        page.words(words if plain else enclosed("(", words, ")"), 2 * INDENT)
         for comment in comments:
             if comment.trailing:
                 page.comment(comment, INDENT)

@@ -200,6 +200,8 @@ def _repeat_words(repeat: ast.Repeat) -> list[str]:
     match repeat.head:
         case ast.Count(variable=variable, limit=limit):
             words = [f"repeat({variable} <", *expression_words(limit)]
+        case ast.Rows(table=table, places=True):
+            words = ["repeat(at", table]
         case ast.Rows(variable=variable, table=table):
             words = [f"repeat({variable} in", table]
         case _:

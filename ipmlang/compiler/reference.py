@@ -55,7 +55,8 @@ ITEMS = {
     "node or id.",
     'asset A, B in "x.parts.svg"': "Several at once: the ids are the names.",
     'table T = "x.parts.svg#T"': "Rows of named columns in a parts file.",
-    "table T(x, y) = (1, 2), (3, 4)": "The same written out.",
+    "table T(x, y) = 1, 2": "The same written out, a line for each row. A row ends where no comma "
+    "follows a cell; a row in brackets, `(a + 1, 2)`, may hold more than numbers and texts.",
     'surface wall = "statue.obj" atlas 1024': "A surface to march on.",
     'context mask = "mask.png" over (0, 0, 200, 100)': "A picture (png, jpg) that rules ask with "
     "`fetch`, and left, bottom, width and height of the part of the ground that it covers, which "
@@ -120,6 +121,9 @@ ELEMENTS = {
     "[ - F ] F": "A group: what follows it starts where the group did.",
     "repeat(i < n) { [Picket(i)] f(13) }": "Copies, numbered from 0; `except (3, 7)` leaves some "
     "out, `steps (1, 2)` moves on between them, `with r in T` or `repeat(r in T)` reads a table.",
+    "repeat(at T) { Tree }": "A copy at the place of each row of a table, by itself: as `repeat(r "
+    "in T) { [translate(r.x, r.y, r.z) rotate(r.rx, r.ry, r.rz) *(r.scale) Tree] }`; a column that "
+    "the table has not moves nothing. The row is called `at`: further columns are `at.color`.",
     "with w = rand(1, 2)": "From here to the end of the body, the group, the braces or the copy "
     "that it stands in, `w` is this value. It is computed once, where it stands: a random number "
     "is drawn once however often `w` is read, `scope.sx` is the extent here. In a function, a "

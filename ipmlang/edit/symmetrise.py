@@ -21,6 +21,11 @@ from ipmlang.edit.symbols import nodes
 
 SHARE = 0.002  # of the largest length: what lengths may differ by, unless told
 ROUND_ANGLE = 15.0
+PLACES: dict[str, Kind] = {
+    **dict.fromkeys(("x", "y", "z"), "length"),
+    **dict.fromkeys(("rx", "ry", "rz"), "angle"),
+    "scale": "scale",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,6 +137,8 @@ def _cells(grammar: ast.Grammar, kinds: Mapping[str, Kind]) -> dict[tuple[str, s
     for node in nodes(grammar):
         if not isinstance(node, ast.Rows):
             continue
+        if node.places:
+            found.update(((node.table, column), kind) for column, kind in PLACES.items())
         for name, kind in kinds.items():
             variable, dot, column = name.partition(".")
             if dot and variable == node.variable:

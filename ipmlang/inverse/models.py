@@ -45,6 +45,7 @@ ALIKE = 0.7  # share of the limit that equal parts may differ by; the rest is fo
 NOTHING = 1e-7  # share of the diagonal that does not count
 ROUNDINGS = (0.15, 0.03, 0.0003)  # shares of the limit that a number may be rounded by, in turn
 HOPE = 2.0  # times a rounding that an error beyond the limit may be due to it
+LISTED, ROW = 12, 2  # tokens that a table, and a row of it, count for beyond those they take
 Up = Literal["auto", "y", "z"]
 
 
@@ -119,8 +120,12 @@ def _searched(goal: _Goal, plain: Scheme, options: Options) -> Iterator[Scheme]:
 
 
 def _length(goal: _Goal, scheme: Scheme) -> int:
-    """The tokens of a scheme's text, but for those that all have."""
-    return _tokens(ast.Grammar(_said(goal, scheme, ROUNDINGS[0], False).items))
+    """The tokens of a scheme's text, but for those that all have, and more for what tables list:
+    of two that are about as long, the one that explains more is the better one.
+    """
+    items = _said(goal, scheme, ROUNDINGS[0], False).items
+    listed = [len(item.rows) for item in items if isinstance(item, ast.Table)]
+    return _tokens(ast.Grammar(items)) + LISTED * len(listed) + ROW * sum(listed)
 
 
 def _tokens(grammar: ast.Grammar) -> int:

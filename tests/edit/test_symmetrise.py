@@ -62,8 +62,14 @@ A --> repeat(r in Places) { [at(r.x, r.y) F(9.98)] f(step) }
 start A
 """
     found = edit.symmetrise(edit.read_text(text), Tolerances(length=0.1)).text
-    assert "(10, 5)\n    (10, 5)\n" in found
+    assert "10, 5\n    10, 5\n" in found
     assert "attr step : float = 10 in 1.." in found
+
+
+def test_places_of_rows_snap_too() -> None:
+    text = "ipm 1\ntable T(x, rz) = 10.01, 89.9 9.99, 0\nA --> repeat(at T) { F(3) }\nstart A"
+    found = edit.symmetrise(edit.read_text(text), Tolerances(length=0.1)).text
+    assert "10, 90\n    10, 0\n" in found
 
 
 def test_even_steps_become_one_where_nothing_sees_the_end() -> None:

@@ -134,6 +134,17 @@ def test_tables_and_steps_are_rows() -> None:
     assert found.tables[1].rows == ((4.0,), (5.0,), (0.0,))
 
 
+def test_a_row_says_where_its_copy_stands() -> None:
+    """As the steps to its place written out; what the table has no column for moves nothing."""
+    table = "table T(x, z, rz, scale, c) = (1, 2, 90, 2, 7), (3, 4, 0, 1, 8)\n"
+    steps = "translate(r.x, 0, r.z) rotate(0, 0, r.rz) *(r.scale)"
+    short = program(table + "start repeat(at T) { translate(at.c, 0, 0) B }\n")
+    long = program(table + f"start repeat(r in T) {{ [{steps} translate(r.c, 0, 0) B] }}\n")
+    assert dump(short) == dump(long)
+    with pytest.raises(IpmError, match="which is a rule's name"):
+        program("table T(x) = 1\ntranslate(a, b, c) --> F(a)\nstart repeat(at T) { F }\n")
+
+
 def test_names_of_an_import_keep_apart(tmp_path: Path) -> None:
     (tmp_path / "roofs.ipm").write_text(
         "ipm 1\nattr pitch = 30\nconst k = 2\nHip(a) --> F(a * k) Ridge\nRidge --> [F(pitch)]\n"

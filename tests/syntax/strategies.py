@@ -64,6 +64,7 @@ EXPRESSIONS = st.recursive(
 MODULES = st.builds(ast.Module, SYMBOLS, arguments(EXPRESSIONS))
 COUNTS = st.builds(ast.Count, PLAIN, EXPRESSIONS)
 ROWS = st.builds(ast.Rows, PLAIN, PLAIN)
+AT_ROWS = st.builds(ast.Rows, st.just("at"), PLAIN, st.just(True))
 SIZES = st.builds(ast.Size, st.sampled_from(["absolute", "relative", "floating"]), EXPRESSIONS)
 
 
@@ -80,7 +81,7 @@ def _elements(inner: SearchStrategy) -> SearchStrategy:
     values = tuples(EXPRESSIONS)
     return st.one_of(
         st.builds(ast.Bracket, bodies),
-        st.builds(ast.Repeat, COUNTS | ROWS, bodies, values, values, st.none() | ROWS),
+        st.builds(ast.Repeat, COUNTS | ROWS | AT_ROWS, bodies, values, values, st.none() | ROWS),
         st.builds(ast.Split, PLAIN, tuples(split_parts, 1), arguments(EXPRESSIONS)),
         st.builds(ast.Block, NAMES, arguments(EXPRESSIONS), parts),
         st.builds(ast.Each, MODULES, PLAIN, parts),
@@ -131,13 +132,14 @@ PLACES = st.one_of(
     st.builds(ast.Place, st.just("file"), st.just(()), TEXTS),
     st.builds(ast.Place, st.just("surface"), st.just(()), PLAIN),
 )
+CELLS = EXPRESSIONS.filter(lambda value: isinstance(value, ast.Number | ast.Text))
 TABLES = st.integers(1, 3).flatmap(
     lambda columns: st.builds(
         ast.Table,
         PLAIN,
         st.none(),
         tuples(PLAIN, columns, columns),
-        tuples(tuples(EXPRESSIONS, columns, columns)),
+        tuples(tuples(EXPRESSIONS, columns, columns)) | tuples(tuples(CELLS, columns, columns)),
     )
 )
 DECLARATIONS = st.one_of(

@@ -33,6 +33,7 @@ from ipmlang.compiler.checking.operations import (
 )
 from ipmlang.compiler.diagnostics import nearest
 from ipmlang.compiler.ops import OPERATIONS
+from ipmlang.compiler.places import COLUMNS
 
 _Element: TypeAlias = (
     ast.Module | ast.Bracket | ast.Repeat | ast.Split | ast.Block | ast.Each | ast.Assign
@@ -247,8 +248,11 @@ def _repeat(scope: Scope, repeat: ast.Repeat, certain: bool) -> None:
             inner = scope.inner(variable, Slot("int"))
             count = constant(limit)
             certain = certain and count is not None and count >= 1
-        case ast.Rows(variable, table):
-            inner = scope.inner(variable, Row(table, columns_of(scope, table, repeat.head.span)))
+        case ast.Rows(variable, table, places):
+            columns = columns_of(scope, table, repeat.head.span)
+            if places and columns is not None and set(COLUMNS).isdisjoint(columns):
+                _no_place(scope, repeat.head, columns)
+            inner = scope.inner(variable, Row(table, columns))
             certain = False
         case _:
             assert_never(repeat.head)
@@ -261,6 +265,17 @@ def _repeat(scope: Scope, repeat: ast.Repeat, certain: bool) -> None:
     for step in repeat.steps:
         want(scope, step, "number", "a step of a `repeat`")
     check_body(inner, repeat.body, certain)
+
+
+def _no_place(scope: Scope, rows: ast.Rows, columns: Sequence[str]) -> None:
+    """A table whose rows do not say where anything stands."""
+    scope.findings.trouble(
+        rows.span,
+        "no-place",
+        f"the rows of `{rows.table}` are no places: its columns are {', '.join(columns)}",
+        expected=f"a column {', '.join(COLUMNS[:-1])} or {COLUMNS[-1]}",
+        hint=f"`repeat(r in {rows.table})` only reads the rows",
+    )
 
 
 def columns_of(scope: Scope, table: str, span: ast.Span) -> tuple[str, ...] | None:

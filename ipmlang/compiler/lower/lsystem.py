@@ -17,6 +17,7 @@ from ipmlang.compiler.lower.names import Unit
 from ipmlang.compiler.lower.operands import form_for, operands
 from ipmlang.compiler.lower.split import Splitting, selector
 from ipmlang.compiler.ops import OPERATIONS, Operation
+from ipmlang.compiler.places import AT, way_to_place
 
 
 class Namer(Protocol):
@@ -220,7 +221,7 @@ class Body:
             self._rows(code, repeat.rows, copy, own)
         args = [limit, *(code.value(each, names) for each in repeat.holes)]
         inner = code.block()
-        self.write(inner, repeat.body, own)
+        self.write(inner, self._standing(code, repeat, own), own)
         if repeat.steps:
             self._step(inner, repeat, copy)
         code.repeat(number, args, inner, repeat.span)
@@ -233,6 +234,21 @@ class Body:
         table, columns, count = found
         names[rows.variable] = Row(table, columns, copy)
         return code.number(count)
+
+    def _standing(
+        self, code: Code, repeat: ast.Repeat, names: Environment
+    ) -> tuple[ast.Element, ...]:
+        """The body of a repeat; under `at T` in brackets, behind the way to the row's place."""
+        row = names.get(AT)
+        if not isinstance(repeat.head, ast.Rows) or not repeat.head.places:
+            return repeat.body
+        assert isinstance(row, Row)
+        steps = way_to_place(row.columns, repeat.head.span)
+        for step in steps:
+            if step.name in code.unit.rules or step.name in code.unit.interpretations:
+                message = f"`repeat(at …)` needs `{step.name}`, which is a rule's name here"
+                raise code.error(repeat.head.span, "name-taken", message)
+        return (ast.Bracket((*steps, *repeat.body), repeat.span),)
 
     def _step(self, code: Code, repeat: ast.Repeat, copy: Load) -> None:
         """The move from this copy to the next; after the last one, none."""

@@ -1,23 +1,51 @@
 """Copies without a rule: written out one by one, or as rows of a table, whichever is shorter.
 
-Takes spots and what stands at each; gives elements and the tables they read. Counted in tokens, as
-everything that competes.
+Takes spots and what stands at each; gives elements and the tables they read. Which spots share a
+table, and what of them is said once for all, is counted in tokens, as everything that competes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 from ipmlang.compiler import ast
 from ipmlang.inverse.naming import Names
-from ipmlang.inverse.split.placing import Spot, placed
-from ipmlang.inverse.split.wording import NOTHING, Vector
+from ipmlang.inverse.split.placing import Spot, placed, steps_to
+from ipmlang.inverse.split.wording import NOTHING, Vector, all_nothing, is_nothing
 from ipmlang.inverse.wording import several, stem
 
-COLUMNS = ("x", "y", "z", "rx", "ry", "rz", "scale")
-ROW = "r"
+AXES = (0, 1, 2)
+SHIFTS = ("x", "y", "z")
+TURNS = ("rx", "ry", "rz")
+SCALE = "scale"
 FEWEST = 3  # rows that are worth a table's name
-HEAD = 24  # tokens of `table T(x, y) =` and of `repeat(r in T) { [translate(r.x, r.y, 0) a] }`
+HEAD = 13  # tokens of `table T() =` and of `repeat(at T) { A }`
+STEP = 6  # `translate(x, y, z)` or `rotate(a, b, c)` without signs
+APART = 4  # turns that may have a table each while the rest share one
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """How spots become rows. columns: by axis, what each row says of its place and of its turn;
+    scaled: whether rows say a scale; common: what all have besides, behind the row's place.
+    """
+
+    shifts: tuple[int, ...]
+    turns: tuple[int, ...]
+    scaled: bool
+    common: Spot
+
+    def cells(self, spot: Spot) -> tuple[ast.Expr, ...]:
+        """A row."""
+        own = [spot.place[axis] for axis in self.shifts] + [spot.turn[axis] for axis in self.turns]
+        return (*own, _scale(spot)) if self.scaled else tuple(own)
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Their names."""
+        names = [SHIFTS[axis] for axis in self.shifts] + [TURNS[axis] for axis in self.turns]
+        return (*names, SCALE) if self.scaled else tuple(names)
 
 
 def cheapest(
@@ -29,13 +57,21 @@ def cheapest(
     elements: list[ast.Element] = []
     tables: list[ast.Table] = []
     for group in _groups(found):
-        if _row_tokens(group) < sum(map(spot_tokens, group)):
-            table, element = _tabled(group, inner, names.give(_title(name)))
+        layout = _layout(group)
+        if len(group) >= FEWEST and _row_tokens(group, layout) < sum(map(spot_tokens, group)):
+            rows = tuple(layout.cells(spot) for spot in group)
+            table = ast.Table(names.give(_title(name)), columns=layout.columns, rows=rows)
+            head = ast.Rows("at", table.name, places=True)
             tables.append(table)
-            elements.append(element)
+            elements.append(ast.Repeat(head, _behind(layout.common, inner)))
         else:
             elements += [placed(spot, inner) for spot in group]
     return elements, tables
+
+
+def _behind(common: Spot, inner: Sequence[ast.Element]) -> tuple[ast.Element, ...]:
+    """What stands at a row's place; a factor is the turtle's, and has a bracket of its own."""
+    return (placed(common, inner),) if common.scale is not None else (*steps_to(common), *inner)
 
 
 def _title(name: str) -> str:
@@ -46,83 +82,90 @@ def _title(name: str) -> str:
 
 
 def _groups(found: Sequence[Spot]) -> list[list[Spot]]:
-    """Spots that one table could hold: of each hand all together, or those of a turn each alone,
-    whichever is shorter.
-    """
+    """Spots that one table could hold, those of each hand in the shortest of some ways."""
     groups: list[list[Spot]] = []
     for mirrored in (False, True):
         own = [spot for spot in found if spot.mirrored == mirrored]
-        turns: dict[tuple[object, object], list[Spot]] = {}
-        for spot in own:
-            turns.setdefault((spot.turn, spot.scale), []).append(spot)
-        apart = list(turns.values())
-        together = min(_row_tokens(own), sum(map(spot_tokens, own))) if own else 0
-        alone = sum(min(_row_tokens(each), sum(map(spot_tokens, each))) for each in apart)
-        groups += [own] if own and together <= alone else apart
+        if own:
+            groups += min(_ways(own), key=lambda way: sum(map(_tokens, way)))
     return groups
+
+
+def _ways(own: list[Spot]) -> Iterator[list[list[Spot]]]:
+    """Ways to tell spots apart: the most frequent turns each alone, the rest together, or those
+    about each axis together.
+    """
+    turns: dict[tuple[object, object], list[Spot]] = {}
+    for spot in own:
+        turns.setdefault((spot.turn, spot.scale), []).append(spot)
+    ranked = sorted(turns.values(), key=len, reverse=True)
+    for count in [*range(min(APART, len(ranked))), len(ranked)]:
+        rest = [spot for group in ranked[count:] for spot in group]
+        yield [*ranked[:count], *([rest] if rest else [])]
+        about: dict[tuple[bool, ...], list[Spot]] = {}
+        for spot in rest:
+            about.setdefault(tuple(map(is_nothing, spot.turn)), []).append(spot)
+        yield [*ranked[:count], *about.values()]
+
+
+def _tokens(group: Sequence[Spot]) -> int:
+    """Of a group, in rows or one by one."""
+    alone = sum(map(spot_tokens, group))
+    return alone if len(group) < FEWEST else min(alone, _row_tokens(group, _layout(group)))
 
 
 def spot_tokens(spot: Spot) -> int:
     """Tokens of a copy that is written out."""
-    moved = any(not _same(each, NOTHING) for each in spot.place)
-    turned = any(not _same(each, NOTHING) for each in spot.turn)
-    inside = (6 + _signs(spot.place)) * moved + (6 + _signs(spot.turn)) * turned
-    inside += spot.mirrored + 4 * (spot.scale is not None)
+    inside = _step_tokens(spot)
     return inside + 3 if inside else 1
+
+
+def _step_tokens(spot: Spot) -> int:
+    """Of the operations that lead to a spot."""
+    steps = sum(STEP + _signs(each) for each in (spot.place, spot.turn) if not all_nothing(each))
+    return steps + spot.mirrored + 4 * (spot.scale is not None)
 
 
 def _signs(values: Sequence[ast.Expr]) -> int:
     return sum(isinstance(each, ast.Number) and each.value < 0 for each in values)
 
 
-def _row_tokens(group: Sequence[Spot]) -> int:
+def _row_tokens(group: Sequence[Spot], layout: Layout) -> int:
     """Tokens of copies that are rows of a table."""
-    if len(group) < FEWEST:
-        return 1_000_000
-    columns = _columns(group)
-    cells = sum(1 + _signs(values) for values in columns.values()) if len(group) == 1 else 0
-    cells = sum(len(values) + _signs(values) for values in columns.values())
-    turned = any(name in columns for name in ("rx", "ry", "rz")) or not group[0].plain
-    return HEAD + len(columns) + cells + 2 * len(group) + 6 * turned
+    cells = [cell for spot in group for cell in layout.cells(spot)]
+    common = _step_tokens(layout.common) + 2 * (layout.common.scale is not None)
+    return HEAD + len(layout.columns) + len(cells) + _signs(cells) + common
 
 
-def _columns(group: Sequence[Spot]) -> dict[str, list[ast.Expr]]:
-    """What differs from copy to copy."""
-    rows = [_values(spot) for spot in group]
-    columns = {name: [row[k] for row in rows] for k, name in enumerate(COLUMNS)}
-    return {
-        name: values
-        for name, values in columns.items()
-        if any(not _same(each, values[0]) for each in values)
-    }
+def _layout(group: Sequence[Spot]) -> Layout:
+    """The shorter way to say what all have in common: behind the table, or in it."""
+    varying = tuple(axis for axis in AXES if _differ([spot.place[axis] for spot in group]))
+    common = [axis for axis in AXES if axis not in varying and not is_nothing(group[0].place[axis])]
+    turned = _differ([spot.turn for spot in group])
+    scaled = _differ([spot.scale for spot in group])
+    every = [axis for axis in AXES if any(not is_nothing(spot.turn[axis]) for spot in group)]
+    turns = tuple(every) if turned or scaled else ()
+    within = _laid(group, tuple(sorted({*varying, *common})), turns, scaled)
+    behind = _laid(group, varying, turns, scaled)
+    if not common or scaled or (turns and common != list(turns)):
+        return within
+    return min(behind, within, key=lambda each: _row_tokens(group, each))
 
 
-def _values(spot: Spot) -> tuple[ast.Expr, ...]:
-    return (*spot.place, *spot.turn, ast.Number(1.0) if spot.scale is None else spot.scale)
-
-
-def _same(left: ast.Expr, right: ast.Expr) -> bool:
-    return left == right
-
-
-def _tabled(
-    group: Sequence[Spot], inner: Sequence[ast.Element], title: str
-) -> tuple[ast.Table, ast.Element]:
-    """The table of a group, and the repeat that places its rows."""
-    columns = _columns(group)
-    rows = tuple(zip(*columns.values(), strict=True))
-    table = ast.Table(title, columns=tuple(columns), rows=rows)
+def _laid(
+    group: Sequence[Spot], shifts: tuple[int, ...], turns: tuple[int, ...], scaled: bool
+) -> Layout:
+    """The layout with these columns."""
     first = group[0]
-    scale = ast.Name(f"{ROW}.scale") if "scale" in columns else first.scale
-    place = _read(columns, ("x", "y", "z"), first.place)
-    turn = _read(columns, ("rx", "ry", "rz"), first.turn)
-    body = placed(Spot(place, turn, first.mirrored, scale), inner)
-    return table, ast.Repeat(ast.Rows(ROW, title), (body,))
+    x, y, z = (NOTHING if axis in shifts else first.place[axis] for axis in AXES)
+    turn: Vector = (NOTHING, NOTHING, NOTHING) if turns else first.turn
+    scale = None if scaled else first.scale
+    return Layout(shifts, turns, scaled, Spot((x, y, z), turn, first.mirrored, scale))
 
 
-def _read(columns: dict[str, list[ast.Expr]], names: Sequence[str], usual: Vector) -> Vector:
-    x, y, z = (
-        ast.Name(f"{ROW}.{name}") if name in columns else value
-        for name, value in zip(names, usual, strict=True)
-    )
-    return (x, y, z)
+def _differ(values: Sequence[object]) -> bool:
+    return any(each != values[0] for each in values)
+
+
+def _scale(spot: Spot) -> ast.Expr:
+    return ast.Number(1.0) if spot.scale is None else spot.scale
