@@ -8,7 +8,9 @@ from collections import Counter
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 import pytest
+from PIL import Image
 
 import ipmlang
 from ipmlang.geometry.solid import is_closed
@@ -17,7 +19,7 @@ from ipmlang.runtime.scene import SCOPE, SOLID, Scene
 ROOT = Path(__file__).resolve().parents[1]
 EXAMPLES = sorted((ROOT / "examples").glob("*.ipm"))
 LIBRARY = sorted((ROOT / "stdlib").glob("*.ipm"))
-BUILDINGS = ("flats", "house", "terrace", "tower", "castle", "town", "palace")
+BUILDINGS = ("flats", "house", "terrace", "tower", "castle", "town", "palace", "city")
 
 
 def load(name: str) -> ipmlang.Grammar:
@@ -113,3 +115,17 @@ def test_a_town_has_its_houses_and_one_church() -> None:
     assert 100 < count["Base"] < 300  # a plinth for each house
     assert count["Cornice"] == 1
     assert (scene.instances.position[:, 2] > -1).all()
+
+
+def test_a_city_follows_its_map() -> None:
+    """It is high where the map is red, and its houses stand neither in the river nor in parks."""
+    scene = derived("city", 2)
+    table = scene.instances
+    painted = np.asarray(Image.open(ROOT / "examples" / "city.map.png"))[::-1]
+    built = np.isin(table.label, [scene.labels.index(name) for name in ("Slab", "Wall")])
+    x, y, bottom = table.position[built].T
+    red, green, blue = painted[(y // 10).astype(int), (x // 10).astype(int)].T
+    assert built.sum() > 2000 and not blue.any()
+    assert bottom[red > 200].max() > 100 > 30 > np.median(bottom[red < 100])
+    x, y, _ = table.position[table.label == scene.labels.index("Turf")].T
+    assert painted[(y // 10).astype(int), (x // 10).astype(int), 1].all() and not green.all()
