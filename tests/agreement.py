@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError
 from ipmlang.geometry.solid import Solid
-from ipmlang.runtime.scene import OUTLINE, SCOPE, SEGMENT, SOLID, Scene
+from ipmlang.runtime.scene import OUTLINE, SCOPE, SEGMENT, SOLID, Scene, TextureMaps
 
 Outcome: TypeAlias = "Scene | Diagnostic"
 Rows: TypeAlias = NDArray[np.int64]
@@ -310,7 +310,7 @@ class _Pairs:
 
     def textures(self) -> Iterator[str]:
         """How textures lie on what is drawn."""
-        one, other = (scene.texture_maps for scene in self.scenes)
+        one, other = (_laid(scene.texture_maps) for scene in self.scenes)
         if one is None or other is None:
             yield from _unequal("texture maps", one is None, other is None)
             return
@@ -353,6 +353,11 @@ def _ranked(keys: NDArray[np.uint64]) -> NDArray[np.void]:
     made["key"] = keys
     made["rank"][order] = np.arange(len(keys)) - begin
     return made
+
+
+def _laid(maps: TextureMaps | None) -> TextureMaps | None:
+    """The maps, if something is drawn on which textures lie by them."""
+    return maps if maps is not None and np.any(maps.of >= 0) else None
 
 
 def _one_to_one(one: NDArray[np.int32], other: NDArray[np.int32]) -> bool:

@@ -59,6 +59,6 @@ def form_for(record: Operation, args: Sequence[ast.Argument]) -> tuple[Param, ..
 
 
 def _operand(code: Code, param: Param, given: ast.Expr, names: Environment) -> Operand:
-    if isinstance(given, ast.Name) and given.id in param.words and given.id not in names:
+    if isinstance(given, ast.Name) and given.id in param.words:
         return code.pool.text(given.id)
     return code.value(given, names)

@@ -112,8 +112,9 @@ class GpuFrontier(Frontier):
         assert self._machine is not None
         roots = self._roots(batches)
         numbers = np.concatenate([shapes.numbers for _, shapes in batches])
-        rules = {self.program.symbols[symbol].productions[:1] for (symbol, _), _ in batches}
-        self.counted.at(next(iter(sorted(rules)), (-1,))[0] if rules else -1, numbers)
+        symbols = (self.program.symbols[symbol] for (symbol, _), _ in batches)
+        rules = [rule for each in symbols for rule in each.productions or each.interpretation]
+        self.counted.at(min(rules, default=-1), numbers)
         made = self._machine.run(roots, len(numbers), self.counted.most())
         self._take(made, numbers)
 
