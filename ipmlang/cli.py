@@ -1,5 +1,5 @@
-"""The commands `run`, `check` and `fmt`, and where all commands come together: the only code that
-exits. `infer`, `edit`, `vary` and `render` stand in files of their own.
+"""The commands `check` and `fmt`, and where all commands come together: the only code that exits.
+The others stand in files of their own.
 
 Each command reads files, calls the library, and prints either a few lines for a person or, with
 `--json`, one object for a machine. Exit codes: 0 fine, 1 the user's file is wrong, 2 the command is
@@ -10,10 +10,8 @@ from __future__ import annotations
 
 import json
 import sys
-import time
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
@@ -22,11 +20,9 @@ from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail
 from ipmlang.edit_building_commands import edit
 from ipmlang.infer_command import infer_file
 from ipmlang.render_command import render_file
-from ipmlang.telling import findings_record, report_lines, show, working
+from ipmlang.run_command import run_file
+from ipmlang.telling import findings_record, show
 from ipmlang.vary_command import vary_file
-
-if TYPE_CHECKING:
-    from ipmlang.runtime.scene import Scene
 
 USER_FILE_WRONG, COMMAND_WRONG = 1, 2
 COMMAND_CODES = frozenset(
@@ -86,95 +82,10 @@ def commands() -> None:
 
 
 commands.add_command(infer_file)
+commands.add_command(run_file)
 commands.add_command(edit)
 commands.add_command(vary_file)
 commands.add_command(render_file)
-
-
-@commands.command()
-@click.argument("file", type=click.Path(path_type=Path, readable=False))
-@click.option(
-    "-o",
-    "--output",
-    required=True,
-    type=click.Path(path_type=Path, readable=False),
-    help="where to write: .svg .png .obj .glb .ply .stl",
-)
-@click.option(
-    "--seed",
-    type=click.IntRange(0, 2**64 - 1),
-    help="the number all randomness comes from; without one it is 0, and the choices that a "
-    "grammar brings along are replayed",
-)
-@options.SET
-@options.STYLE
-@click.option(
-    "--on",
-    metavar="FILE",
-    help="start on every closed path or face of a file: lots.svg, town.obj, town.svg#lots",
-)
-@click.option(
-    "--backend",
-    type=click.Choice(["auto", "cpu", "gpu"]),
-    default="auto",
-    show_default=True,
-    help="what derives the grammar",
-)
-@options.LIMIT
-@options.ALLOW_OUTSIDE
-@click.option("--instancing", is_flag=True, help="write glb instances with EXT_mesh_gpu_instancing")
-@options.JSON
-def run(
-    file: Path,
-    output: Path,
-    seed: int | None,
-    settings: tuple[str, ...],
-    style: str | None,
-    on: str | None,
-    backend: str,
-    limits: tuple[str, ...],
-    allow_outside: bool,
-    instancing: bool,
-    as_json: bool,
-) -> None:
-    """Derive the grammar in FILE and write what it draws.
-
-    \b
-    Example:
-      ipmlang run garden.ipm -o garden.svg --seed 3 --set pickets=30
-    """  # fmt: skip
-    from ipmlang import load
-    from ipmlang.arguments import keep_apart, parse_limits, parse_settings
-    from ipmlang.runtime.export import check_output, save
-
-    check_output(output)
-    grammar = load(file, allow_outside=allow_outside, style=style)
-    stood_on = [] if on is None else [Path(on), Path(on.rpartition("#")[0])]
-    keep_apart([output], [*grammar.checked.loaded.paths, *stood_on])
-    show(grammar.warnings)
-    started = time.process_time()
-    with working(f"deriving {file.name}"):
-        scene = grammar.run(
-            seed=seed,
-            attrs=parse_settings(settings, grammar.program.attrs),
-            backend=backend,
-            limits=parse_limits(grammar.program.limits, limits),
-            on=on,
-        )
-    derived = time.process_time()
-    for note in scene.notes:
-        click.echo(f"note: {note}", err=True)
-    with working(f"writing {output.name}"):
-        notes = save(scene, output, instancing=instancing)
-    for note in notes:
-        click.echo(f"note: {note}", err=True)
-    report = run_report(scene, derived - started, time.process_time() - derived, output)
-    if as_json:
-        click.echo(json.dumps(report))
-    else:
-        click.echo(f"{output}: {len(scene.instances)} terminals in {report['seconds']:.3g} s")
-        for line in report_lines(scene.reports):
-            click.echo(line)
 
 
 @commands.command()
@@ -270,31 +181,3 @@ def write_text(path: Path, text: str) -> None:
         write_files({path: text.encode("utf-8")})
     except FormatError as error:
         raise fail("cannot-write", error.message, hint=error.hint) from error
-
-
-def run_report(scene: Scene, seconds: float, writing: float, output: Path) -> dict[str, object]:
-    """What `run --json` prints; seconds are CPU seconds of deriving, start-up not counted."""
-    return {
-        "output": str(output),
-        "terminals": len(scene.instances),
-        "shapes": scene.shapes,
-        "generations": scene.generations,
-        "seconds": round(seconds, 6),
-        "seconds_writing": round(writing, 6),
-        "peak_memory_bytes": peak_memory(),
-        "seed": scene.seed,
-        "backend": scene.backend,
-        "reports": {
-            key: {"sum": total, "count": count} for key, (total, count) in scene.reports.items()
-        },
-    }
-
-
-def peak_memory() -> int:
-    """The most memory this process ever held, in bytes; 0 where the system does not tell."""
-    try:
-        import resource
-    except ImportError:  # Windows
-        return 0
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return peak if sys.platform == "darwin" else peak * 1024

@@ -14,6 +14,13 @@ SET = click.option(
     metavar="NAME=VALUE",
     help="give an attribute a value; may be repeated",
 )
+BACKEND = click.option(
+    "--backend",
+    type=click.Choice(["auto", "cpu", "gpu"]),
+    default="cpu",
+    show_default=True,
+    help="what derives the grammar; auto: the graphics card if there is one",
+)
 LIMIT = click.option(
     "--limit",
     "limits",

@@ -65,6 +65,7 @@ if TYPE_CHECKING:
 @click.option("--seed", type=click.IntRange(0, 2**64 - 1), help="the seed of a grammar")
 @options.SET
 @options.STYLE
+@options.BACKEND
 @options.LIMIT
 @options.ALLOW_OUTSIDE
 @options.JSON
@@ -81,6 +82,7 @@ def render_file(
     seed: int | None,
     settings: tuple[str, ...],
     style: str | None,
+    backend: str,
     limits: tuple[str, ...],
     allow_outside: bool,
     as_json: bool,
@@ -104,10 +106,10 @@ def render_file(
     with working(f"reading {file.name}") as say:
         if file.suffix.lower() == ".ipm":
             grammar = load(file, allow_outside=allow_outside, style=style)
-            derived = _derived(grammar, output, seed, settings, limits)
+            derived = _derived(grammar, output, seed, settings, backend, limits)
             seen = as_seen(derived)
-        elif seed is not None or settings or limits or style:
-            message = "--seed, --set, --style and --limit are for grammars, not for models"
+        elif seed is not None or settings or limits or style or backend != "cpu":
+            message = "--seed, --set, --style, --backend and --limit are for grammars, not for models"
             raise fail("bad-command", message)
         else:
             keep_apart([output], [file])
@@ -137,6 +139,7 @@ def _derived(
     output: Path,
     seed: int | None,
     settings: tuple[str, ...],
+    backend: str,
     limits: tuple[str, ...],
 ) -> Scene:
     """What a grammar derives."""
@@ -147,6 +150,7 @@ def _derived(
     scene = grammar.run(
         seed=seed,
         attrs=parse_settings(settings, grammar.program.attrs),
+        backend=backend,
         limits=parse_limits(grammar.program.limits, limits),
     )
     for note in scene.notes:

@@ -1,8 +1,9 @@
 """Deriving a program: bind its attributes, derive, and give the scene of instances.
 
-Which executor runs is the program's doing, never the caller's: shapes that expand independently go
-by the batched frontier, turtles that thread, and choices that are drawn again, by strings. Both
-give the same keys and the same order.
+On the CPU, which way it goes is the program's doing, never the caller's: shapes that expand
+independently go by the batched frontier, turtles that thread, and choices that are drawn again, by
+strings. Both give the same keys and the same order, and so does the graphics card where it is asked
+for.
 """
 
 from __future__ import annotations
@@ -19,8 +20,10 @@ from ipmlang.runtime.scene import Scene
 
 if TYPE_CHECKING:
     from ipmlang.runtime.lineage import Lineage
+    from ipmlang.runtime.replay import Replay
 
-BACKENDS = ("auto", "cpu")
+BACKENDS = ("auto", "cpu", "gpu")
+_BACKENDS_HINT = "choose among " + ", ".join(f"`{name}`" for name in BACKENDS)
 
 
 def derive(
@@ -40,15 +43,18 @@ def derive(
     with a node `town.svg#lots`) are what it starts on, whatever its own start stands on. `tell`
     gets the derivation tree, where shapes expand independently.
 
-    Raises IpmError for attributes that do not fit, limits reached, and numbers that are not finite.
+    `backend`: `cpu` is numpy, which says what is right; `gpu` computes on the graphics card all
+    that can be; `auto` does so where there is one, and tells in the notes once a process why it
+    did not. `Scene.backend` says what ran. Choices that are drawn again, and `tell`, need numpy.
+
+    Raises IpmError for attributes that do not fit, limits reached, and numbers that are not finite;
+    with `gpu` also where there is no card, where its memory is full or it fails.
     """
     from ipmlang.runtime.bind import bind
-    from ipmlang.runtime.numpy_backend import derive_frontier
     from ipmlang.runtime.replay import Replay
-    from ipmlang.runtime.strings import derive_string
 
     if backend not in BACKENDS:
-        raise fail("no-such-backend", f"there is no back end `{backend}` here", hint="use `cpu`")
+        raise fail("no-such-backend", f"there is no back end `{backend}` here", hint=_BACKENDS_HINT)
     begun = time.process_time()
     if on is not None:
         from ipmlang.runtime.scopes.ground import standing_on
@@ -62,13 +68,53 @@ def derive(
     replay = None
     if seed is None and program.choices is not None:
         replay = Replay(program, program.choices, strict=not attrs)
-    scene = None
-    if replay is None or program.scoped:
-        scene = derive_frontier(program, values, seed or 0, limits, tell, replay)
+    if tell is not None:
+        obstacle = "its derivation tree was asked for"
+    else:
+        obstacle = "" if replay is None else "the choices it brings along are drawn again"
+    scene, notes = _on_gpu(program, values, seed or 0, limits, backend, obstacle)
     if scene is None:
-        scene = derive_string(program, values, seed or 0, limits, replay)
+        scene = _on_cpu(program, values, seed or 0, limits, tell, replay)
+    scene.notes = (*notes, *scene.notes)
     scene.seconds = time.process_time() - begun
     return scene
+
+
+def _on_gpu(
+    program: Program,
+    values: tuple[float, ...],
+    seed: int,
+    limits: Limits,
+    backend: str,
+    obstacle: str,
+) -> tuple[Scene | None, tuple[str, ...]]:
+    """What the graphics card derives if that was asked for, else None, and notes that say why."""
+    if backend == "cpu":
+        return None, ()
+    from ipmlang.runtime.gpu.attempt import attempt, cannot
+
+    if obstacle:
+        return None, cannot(obstacle, backend)
+    return attempt(program, values, seed, limits, backend)
+
+
+def _on_cpu(
+    program: Program,
+    values: tuple[float, ...],
+    seed: int,
+    limits: Limits,
+    tell: Callable[[Lineage], None] | None,
+    replay: Replay | None,
+) -> Scene:
+    """What numpy derives: by the batched frontier where shapes expand independently."""
+    from ipmlang.runtime.numpy_backend import derive_frontier
+    from ipmlang.runtime.strings import derive_string
+
+    if replay is None or program.scoped:
+        scene = derive_frontier(program, values, seed, limits, tell, replay)
+        if scene is not None:
+            return scene
+    return derive_string(program, values, seed, limits, replay)
 
 
 def _limits(given: Limits, written: Program, bound: Program) -> Limits:
