@@ -16,6 +16,7 @@ from pathlib import Path
 import click
 
 from ipmlang import options
+from ipmlang.bench_command import bench
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail
 from ipmlang.edit_building_commands import edit
 from ipmlang.infer_command import infer_file
@@ -86,6 +87,7 @@ commands.add_command(run_file)
 commands.add_command(edit)
 commands.add_command(vary_file)
 commands.add_command(render_file)
+commands.add_command(bench)
 
 
 @commands.command()
