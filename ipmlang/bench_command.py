@@ -100,7 +100,7 @@ def bench(
       ipmlang bench
       ipmlang bench facade town --scale 0.1 --json bench.json
     """  # fmt: skip
-    from ipmlang.bench import machine, runs_of
+    from ipmlang.bench import machine, runs_of, warmed
 
     runs_of(tasks, _SMALL)  # a wrong name is told before a card is warmed up
     report: dict[str, object] = {"machine": machine()}
@@ -111,6 +111,8 @@ def bench(
     report["scale"] = scale = scale or _scale(card)
     backends: list[Backend] = ["cpu"] if backend != "gpu" else []
     backends += ["gpu"] if card is not None else []
+    if "cpu" in backends:
+        warmed("cpu")  # whose modules would be imported in the first task's time
     rows = _measured(tasks, scale, backends, repeat)
     report["tasks"] = [row.record() for row in rows]
     for line in _table(rows):
@@ -163,14 +165,12 @@ def _measured(
 
 def _table(rows: Sequence[Row]) -> list[str]:
     """What a person reads: a line a task, columns under each other."""
-    cells = [_HEADINGS, *(_cells(row) for row in rows)]
-    wide = [max(len(line[column]) for line in cells) for column in range(len(_HEADINGS))]
+    columns = zip(_HEADINGS, *(_cells(row) for row in rows), strict=True)
+    shown = [column for column in columns if any(column[1:])]
+    wide = [max(map(len, column)) for column in shown]
     return [
-        "  ".join(
-            f"{cell:<{width}}" if column == 0 else f"{cell:>{width}}"
-            for column, (cell, width) in enumerate(zip(line, wide, strict=True))
-        ).rstrip()
-        for line in cells
+        "  ".join([f"{name:<{wide[0]}}", *map(str.rjust, numbers, wide[1:])]).rstrip()
+        for name, *numbers in zip(*shown, strict=True)
     ]
 
 
@@ -178,24 +178,22 @@ def _cells(row: Row) -> tuple[str, ...]:
     """The numbers of a task; blanks for a back end that was not measured."""
     known = row.gpu or row.cpu
     assert known is not None  # some back end is always measured
+    sides = row.cpu, row.gpu
     return (
         row.name,
         f"{known.terminals:,}",
-        *(_seconds(each and each.best) for each in (row.cpu, row.gpu)),
-        *(_seconds(row.gpu and each) for each in (known.first, known.edited)),
-        *(_millions(each and each.terminals / each.best) for each in (row.cpu, row.gpu)),
-        _millions(row.gpu and row.gpu.triangles / row.gpu.best),
-        "" if row.ratio is None else f"{row.ratio:.3g}",
+        *("" if each is None else _short(each.best) for each in sides),
+        _short(known.first),
+        _short(known.edited),
+        *("" if each is None else _short(each.terminals_per_s / 1e6) for each in sides),
+        "" if row.gpu is None else _short(row.gpu.triangles_per_s / 1e6),
+        "" if row.ratio is None else _short(row.ratio),
         row.remark,
     )
 
 
-def _seconds(number: float | None) -> str:
-    return "" if number is None else f"{number:.3g}"
-
-
-def _millions(rate: float | None) -> str:
-    return "" if rate is None else f"{rate / 1e6:.3g}"
+def _short(number: float) -> str:
+    return f"{number:.3g}"
 
 
 def _write(output: Path, report: dict[str, object]) -> None:

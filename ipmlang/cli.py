@@ -9,7 +9,6 @@ wrong. Libraries are imported inside the commands, so that each starts in a blin
 from __future__ import annotations
 
 import json
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 

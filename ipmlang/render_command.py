@@ -109,7 +109,9 @@ def render_file(
             derived = _derived(grammar, output, seed, settings, backend, limits)
             seen = as_seen(derived)
         elif seed is not None or settings or limits or style or backend != "cpu":
-            message = "--seed, --set, --style, --backend and --limit are for grammars, not for models"
+            message = (
+                "--seed, --set, --style, --backend and --limit are for grammars, not for models"
+            )
             raise fail("bad-command", message)
         else:
             keep_apart([output], [file])

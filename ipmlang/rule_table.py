@@ -7,21 +7,23 @@ table to read. Nothing is derived, and no card is needed.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, TypedDict
 
 if TYPE_CHECKING:
-    from ipmlang.compiler.ir import Program
+    from ipmlang.compiler.ir import Production, Program
     from ipmlang.runtime.gpu.explain import Reason
 
 _HEADINGS = ("rule", "line", "runs on", "because")
 
 
 class RuleRow(TypedDict):
-    """One alternative: its rule's name, its line, `gpu` or `cpu`, the operation, why not on the
-    GPU; both texts are empty for what runs there.
+    """One alternative: its rule's name, its file (empty: the grammar's own) and line, `gpu` or
+    `cpu`, the operation, why not on the GPU; both texts are empty for what runs there.
     """
 
     rule: str
+    file: str
     line: int
     runs_on: str
     operation: str
@@ -29,25 +31,27 @@ class RuleRow(TypedDict):
 
 
 def rule_rows(program: Program) -> list[RuleRow]:
-    """A row for each alternative and each reason against it."""
+    """A row for each alternative, and one for each further reason against it."""
     from ipmlang.runtime.gpu.explain import reasons
 
     found = reasons(program)
-    places = dict.fromkeys(
-        (program.symbols[each.symbol].name if each.symbol >= 0 else "start", each.line)
-        for each in (program.axiom, *program.productions)
-    )
-    blamed = [(_place_of(each, list(places)), each) for each in found]
-    rows = [row for place in places for row in _rows_of(place, blamed)]
-    return [*rows, *(_against(each.rule, each.line, each) for place, each in blamed if not place)]
+    whole = [each for each in found if not each.rule]
+    rows = [_row(program, "start", program.axiom, "", "what starts a derivation")]
+    for production in program.productions:
+        name = program.symbols[production.symbol].name
+        against = whole or [each for each in found if _is_about(each, name, production)]
+        rows += [_row(program, name, production, each.operation, each.why) for each in against]
+        if not against:
+            rows.append(_row(program, name, production))
+    return rows
 
 
 def rule_lines(rows: Sequence[RuleRow]) -> list[str]:
     """The rows as a table.
 
-    >>> row = RuleRow(rule="Roof", line=7, runs_on="cpu", operation="roofHip", why="no body")
+    >>> row = RuleRow(rule="Roof", file="", line=7, runs_on="cpu", operation="roofHip", why="none")
     >>> rule_lines([row])
-    ['rule  line  runs on  because', 'Roof     7  cpu      roofHip: no body']
+    ['rule  line  runs on  because', 'Roof     7  cpu      roofHip: none']
     """
     table = [_HEADINGS, *(_cells(row) for row in rows)]
     wide = [max(len(cells[column]) for cells in table) for column in range(3)]
@@ -57,26 +61,26 @@ def rule_lines(rows: Sequence[RuleRow]) -> list[str]:
     ]
 
 
-def _place_of(reason: Reason, places: Sequence[tuple[str, int]]) -> tuple[str, int] | None:
-    """The alternative that a reason is about: the last of its rule that begins before its line."""
-    lines = [line for rule, line in places if rule == reason.rule]
-    before = [line for line in lines if line <= reason.line]
-    return (reason.rule, max(before or lines)) if lines else None
+def _is_about(reason: Reason, name: str, production: Production) -> bool:
+    place = reason.rule, reason.path, reason.line
+    return place == (name, production.path, production.line)
 
 
-def _rows_of(
-    place: tuple[str, int], blamed: Sequence[tuple[tuple[str, int] | None, Reason]]
-) -> list[RuleRow]:
-    rule, line = place
-    against = [_against(rule, line, each) for found, each in blamed if found == place]
-    return against or [RuleRow(rule=rule, line=line, runs_on="gpu", operation="", why="")]
-
-
-def _against(rule: str, line: int, reason: Reason) -> RuleRow:
-    operation, why = reason.operation, reason.why
-    return RuleRow(rule=rule, line=line, runs_on="cpu", operation=operation, why=why)
+def _row(
+    program: Program, name: str, production: Production, operation: str = "", why: str = ""
+) -> RuleRow:
+    return RuleRow(
+        rule=name,
+        file="" if production.path == program.path else production.path,
+        line=production.line,
+        runs_on="cpu" if why else "gpu",
+        operation=operation,
+        why=why,
+    )
 
 
 def _cells(row: RuleRow) -> tuple[str, str, str, str]:
+    line = str(row["line"])
+    place = f"{Path(row['file']).name}:{line}" if row["file"] else line
     because = ": ".join(part for part in (row["operation"], row["why"]) if part)
-    return row["rule"], str(row["line"]), row["runs_on"], because
+    return row["rule"], place, row["runs_on"], because

@@ -22,6 +22,8 @@ from ipmlang.telling import report_lines, show, working
 if TYPE_CHECKING:
     from ipmlang.runtime.scene import Scene
 
+_ALONE = "only --explain needs no file"
+
 
 @click.command("run")
 @click.argument("file", type=click.Path(path_type=Path, readable=False))
@@ -78,7 +80,7 @@ def run_file(
     if output is not None:
         check_output(output)
     elif not explain:
-        raise fail("bad-command", "say where to write it: -o FILE", hint="--explain needs no file")
+        raise fail("bad-command", "say where to write it: -o or --output", hint=_ALONE)
     grammar = load(file, allow_outside=allow_outside, style=style)
     stood_on = [] if on is None else [Path(on), Path(on.rpartition("#")[0])]
     outputs = [] if output is None else [output]

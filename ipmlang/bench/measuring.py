@@ -22,7 +22,7 @@ from ipmlang.runtime.scene import SCOPE, SEGMENT, Instances, Scene
 
 Backend = Literal["cpu", "gpu"]
 _BOX, _RECTANGLE, _LINE = 12, 2, 0  # triangles of what a terminal draws
-_SMALL = "ipm 1\nA(n) : n > 0 --> [translate(n, 0, 0) B] A(n - 1)\nstart A(3) on box(1, 1, 0)\n"
+_SMALL = "ipm 1\nWall --> split x { { ~1: Bay }* }\nstart Wall on box(9, 3, 0)\n"
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,10 +43,20 @@ class Measured:
     def record(self) -> dict[str, object]:
         """The same as JSON, with terminals and triangles a second of the best."""
         rates = {
-            "terminals_per_s": round(self.terminals / self.best),
-            "triangles_per_s": round(self.triangles / self.best),
+            "terminals_per_s": round(self.terminals_per_s),
+            "triangles_per_s": round(self.triangles_per_s),
         }
         return asdict(self) | rates
+
+    @property
+    def terminals_per_s(self) -> float:
+        """Terminals of the best run."""
+        return self.terminals / self.best
+
+    @property
+    def triangles_per_s(self) -> float:
+        """Triangles that those terminals are."""
+        return self.triangles / self.best
 
 
 def measure(run: Run, backend: Backend, repeat: int) -> Measured:

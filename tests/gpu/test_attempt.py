@@ -37,6 +37,7 @@ class Reason:
     operation: str
     line: int
     why: str
+    path: str = "<text>"
 
 
 class Card:
@@ -151,16 +152,13 @@ def test_choices_are_drawn_again_by_numpy(card: Card) -> None:
 def test_the_table_of_rules(card: Card) -> None:
     rows = rule_rows(ipmlang.parse(HOUSE).program)
     assert [(row["rule"], row["line"], row["runs_on"]) for row in rows] == [
-        ("start", 5, "gpu"), ("Lot", 2, "gpu"), ("House", 3, "gpu"), ("Roof", 4, "cpu"),
+        ("start", 5, "cpu"), ("Lot", 2, "gpu"), ("House", 3, "gpu"), ("Roof", 4, "cpu"),
     ]  # fmt: skip
     assert rule_lines(rows)[-1] == "Roof      4  cpu      roofHip: it makes geometry"
 
 
-def test_a_reason_belongs_to_the_alternative_above_it(card: Card) -> None:
-    text = "ipm 1\nA : 50% --> F(1)\nA : else -->\n    F(1)\n    F(2)\nstart A\n"
-    card.reasons = [Reason("A", "pick", 5, "why"), Reason("", "", 0, "texts are made")]
-    rows = rule_rows(ipmlang.parse(text).program)
-    assert [(row["line"], row["runs_on"]) for row in rows if row["rule"] == "A"] == [
-        (2, "gpu"), (3, "cpu"),
-    ]  # fmt: skip
-    assert rows[-1]["why"] == "texts are made"
+def test_what_keeps_the_whole_program_keeps_every_rule(card: Card) -> None:
+    card.reasons = [Reason("", "thread", 0, "modules follow the turtle", "")]
+    rows = rule_rows(ipmlang.parse(HOUSE).program)
+    assert {row["runs_on"] for row in rows} == {"cpu"}
+    assert rows[-1]["why"] == "modules follow the turtle"
