@@ -43,16 +43,12 @@ class Context:
     slope: float
     offset: float
 
-    @property
-    def texels(self) -> Texels:
-        """What all texels stand for: (height, width, channels), the lowest row first."""
-        return self._meant(self.numbers)
-
     def at(self, rows: Whole, columns: Whole, channel: int) -> Texels:
         """What some texels stand for."""
-        return self._meant(self.numbers[rows, columns, channel])
+        return self.meant(self.numbers[rows, columns, channel])
 
-    def _meant(self, numbers: Numbers) -> Texels:
+    def meant(self, numbers: Numbers) -> Texels:
+        """What numbers of its file stand for."""
         found: Texels = np.asarray(numbers, np.float64) / self.white * self.slope + self.offset
         return found
 

@@ -16,7 +16,7 @@ from ipmlang.compiler import ir
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.drawings import Chunk
 from ipmlang.runtime.frontier import Frontier
-from ipmlang.runtime.gpu import isa
+from ipmlang.runtime.gpu import isa, sampling
 from ipmlang.runtime.gpu.device import device
 from ipmlang.runtime.gpu.encode import Encoded, encode
 from ipmlang.runtime.gpu.geometries import Geometries
@@ -63,7 +63,8 @@ class GpuFrontier(Frontier):
     def __init__(self, *args: object) -> None:
         super().__init__(*args)  # type: ignore[arg-type]
         self.ran = self.shared = False
-        self._encoded = encode(self.program, self.fields, len(self.bound.attrs))
+        texels = sampling.extents(self.bound.data.contexts)
+        self._encoded = encode(self.program, self.fields, len(self.bound.attrs), texels)
         self._capable = set(self._encoded.capable)
         self._geometries = Geometries(self.pool, self.cut_box)
         self._machine: Machine | None = None
@@ -152,9 +153,23 @@ class GpuFrontier(Frontier):
                 code[part.word] = place
                 place += faces.size
                 data.append(faces.ravel())
+        data += self._sampled(code, sum(map(len, data)))
         self._layout = self._laid(encoded, base, geometries)
         notes = len(self.program.productions) + 1 + len(self.program.symbols)
         return Machine(device(), self._layout, code, np.concatenate(data), notes)
+
+    def _sampled(self, code: Words, place: int) -> list[NDArray[np.float64]]:
+        """The contexts that are fetched, to stand in the data from a place on."""
+        found: list[NDArray[np.float64]] = []
+        places: dict[tuple[int, int], int] = {}
+        for each in self._encoded.samples:
+            key = (each.context, each.channel)
+            if key not in places:
+                places[key] = place
+                found.append(sampling.numbers(self.bound.data.contexts[each.context], each.channel))
+                place += len(found[-1])
+            code[each.word] = places[key]
+        return found
 
     def _laid(self, encoded: Encoded, base: int, geometries: int) -> Layout:
         slots = {name: number for number, name in enumerate(self.fields)}

@@ -202,6 +202,10 @@ class Elements:
                 words.put(Op.MEASURE, out=out, z=("area", "volume", "sides").index(str(each.const)))
             case "call":
                 self.called(str(each.const), out, args)
+            case "fetch":
+                assert isinstance(each.const, tuple)
+                context, channel = (int(str(part)) for part in each.const)
+                words.fetch(out, context, channel, args[0], args[1])
             case _:
                 raise UnsupportedError(each.op, "only the CPU can answer it")
 

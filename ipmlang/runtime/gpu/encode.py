@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from ipmlang.compiler import ir
 from ipmlang.runtime.gpu.elements import OWN, Elements, Names, Room
 from ipmlang.runtime.gpu.isa import LONGEST, NONE, ON_CPU, WORDS, Op
+from ipmlang.runtime.gpu.sampling import Sample
 from ipmlang.runtime.gpu.unsupported import UnsupportedError
 from ipmlang.runtime.gpu.words import Faces, Words
 from ipmlang.runtime.numpy_backend import is_independent
@@ -36,9 +37,9 @@ class Reason:
 @dataclass(frozen=True, slots=True)
 class Encoded:
     """A program as words: `symbols` and `blocks` are where in the code their entries begin, `faces`
-    the parts whose faces are listed when the geometries are known, `parameters` how many numbers
-    beside its state a record has, `capable` the symbols that run here,
-    `extruded` where the data has the number of the box that `extrude` makes, or -1.
+    the parts whose faces are listed when the geometries are known, `samples` what is fetched,
+    `parameters` how many numbers beside its state a record has, `capable` the symbols that run
+    here, `extruded` where the data has the number of the box that `extrude` makes, or -1.
     """
 
     code: tuple[int, ...]
@@ -46,15 +47,20 @@ class Encoded:
     symbols: int
     blocks: int
     faces: tuple[Faces, ...]
+    samples: tuple[Sample, ...]
     parameters: int
     capable: frozenset[int]
     extruded: int
     reasons: tuple[Reason, ...]
 
 
-def encode(program: ir.Program, fields: Sequence[str], attrs: int) -> Encoded:
-    """The bytecode of a program whose state has these fields and that has so many attributes."""
-    words = Words(program, tuple(fields), attrs)
+def encode(
+    program: ir.Program, fields: Sequence[str], attrs: int, texels: Sequence[int] = ()
+) -> Encoded:
+    """The bytecode of a program whose state has these fields and that has so many attributes.
+    `texels`: how many each of its contexts has, where that is known.
+    """
+    words = Words(program, tuple(fields), attrs, texels)
     whole = refused(program)
     reasons = list(whole)
     entries: list[int] = []
@@ -66,11 +72,11 @@ def encode(program: ir.Program, fields: Sequence[str], attrs: int) -> Encoded:
         own = (symbol.productions, symbol.interpretation, symbol.meaning)
         codes = found or tuple(0 if each else NONE for each in own)
         entries += [*codes, 0 if found else ON_CPU, symbol.arity]
-    code, symbols, blocks, faces = words.finished(entries)
+    code, symbols, blocks, faces, samples = words.finished(entries)
     parameters = max([words.widest, *(symbol.arity for symbol in program.symbols)])
     return Encoded(
-        tuple(code), tuple(words.data), symbols, blocks, faces, parameters, frozenset(capable),
-        words.extrusion, tuple(dict.fromkeys(reasons)),
+        tuple(code), tuple(words.data), symbols, blocks, faces, samples, parameters,
+        frozenset(capable), words.extrusion, tuple(dict.fromkeys(reasons)),
     )  # fmt: skip
 
 

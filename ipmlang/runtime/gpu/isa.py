@@ -50,7 +50,7 @@ class Op(IntEnum):
     FACE = 26  # the scope becomes that of the face with number a of those in table z
     ROTATE = 27  # the scope turns by a, b, c degrees about shares of its box that data has at z
     FLIP = 28  # the scope is mirrored within itself along axis z
-    FETCH = 29  # out = context z at (a, b), channel c
+    FETCH = 29  # out = what the channel of a context whose data code[z] leads to is at (a, b)
     GEOMETRY = 30  # the geometry becomes number data[z]
     FACES = 31  # out = how many faces of the scope's box the part with table z takes
     RULE = 32  # production z is applied from here on

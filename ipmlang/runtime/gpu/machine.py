@@ -29,7 +29,9 @@ GROUP = 64  # threads of a work group
 SLICE = 1 << 20  # threads of one dispatch
 FEWEST = 1 << 12  # rows that a new table has room for
 GROWTH = 1.3  # room beyond what was needed last time
-SOURCES = ("state.glsl", "frames.glsl", "scopes.glsl", "making.glsl", "vm.glsl")
+SOURCES = (
+    "state.glsl", "frames.glsl", "scopes.glsl", "sampling.glsl", "making.glsl", "vm.glsl",
+)  # fmt: skip
 QUEUE, NEXT, TERMINALS, RETURNED, COUNTS, OFFSETS = range(2, 8)  # bindings after code and data
 
 

@@ -111,6 +111,7 @@ void run(uint at) {
                 }
             }
             break;
+        case OP_FETCH: r[target] = sampled(code[z], r[a], r[b]); break;
         case OP_MEASURE: r[target] = measured(z); break;
         case OP_EXTRUDE: extrude(r[a], data[z]); break;
         case OP_FACES: r[target] = face_count(z); break;

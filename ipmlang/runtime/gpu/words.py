@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterable, MutableSequence, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import cast
 
 from ipmlang.compiler import ir
 from ipmlang.runtime.gpu.isa import Op
+from ipmlang.runtime.gpu.sampling import MOST, Sample
+from ipmlang.runtime.gpu.unsupported import UnsupportedError
 
 Mark = tuple[int, ...]
 
@@ -31,7 +33,9 @@ class Faces:
 class Words:
     """What is written so far. `production` is the one that is being written, -1 the axiom."""
 
-    def __init__(self, program: ir.Program, fields: tuple[str, ...], attrs: int) -> None:
+    def __init__(
+        self, program: ir.Program, fields: tuple[str, ...], attrs: int, texels: Sequence[int] = ()
+    ) -> None:
         self.program = program
         self.fields = fields
         self.production = -1
@@ -43,6 +47,8 @@ class Words:
         self._relative: list[int] = []  # words of the code that count from where the lists begin
         self._blocks: list[tuple[int, int]] = []
         self._faces: list[Faces] = []
+        self._samples: list[Sample] = []
+        self._texels = texels  # of each context, where they are known
         self._constants: dict[bytes, int] = {}
         self._columns: dict[tuple[int, int], int] = {}
 
@@ -113,6 +119,15 @@ class Words:
         """Append an instruction that reads such a table."""
         self._relative.append(self.put(op, z=table, **rest) + 2)
 
+    def fetch(self, out: int, context: int, channel: int, x: int, y: int) -> None:
+        """Append what a channel of a context is at registers x and y."""
+        sample = Sample(context, channel, self._listed([0]))
+        self._samples.append(sample)
+        asked = {(each.context, each.channel) for each in self._samples}
+        if self._texels and sum(self._texels[each] for each, _ in asked) > MOST:
+            raise UnsupportedError("fetch", f"its contexts have more than {MOST:,} texels")
+        self._relative.append(self.put(Op.FETCH, out=out, a=x, b=y, z=sample.word) + 2)
+
     def _listed(self, words: Sequence[int]) -> int:
         at = len(self._lists)
         self._lists += words
@@ -158,11 +173,17 @@ class Words:
             del part[length:]
 
     def _parts(self) -> tuple[MutableSequence[object], ...]:
-        parts = (self._code, self._lists, self._relative, self._blocks, self._faces)
+        parts = (
+            self._code, self._lists, self._relative, self._blocks, self._faces, self._samples,
+        )  # fmt: skip
         return cast("tuple[MutableSequence[object], ...]", parts)
 
-    def finished(self, entries: Sequence[int]) -> tuple[list[int], int, int, tuple[Faces, ...]]:
-        """All words, where the entries of symbols and those of blocks begin, and the faces."""
+    def finished(
+        self, entries: Sequence[int]
+    ) -> tuple[list[int], int, int, tuple[Faces, ...], tuple[Sample, ...]]:
+        """All words, where the entries of symbols and those of blocks begin, the faces and what is
+        sampled.
+        """
         code = list(self._code)
         base = len(code)
         for word in self._relative:
@@ -173,4 +194,5 @@ class Words:
         blocks = len(code)
         code += [word for block in self._blocks for word in block]
         faces = tuple(Faces(each.selectors, each.place, base + each.word) for each in self._faces)
-        return code, symbols, blocks, faces
+        samples = tuple(replace(each, word=base + each.word) for each in self._samples)
+        return code, symbols, blocks, faces, samples
