@@ -31,6 +31,7 @@ from ipmlang.inverse.parts.observation import Parts
 from ipmlang.inverse.report import Report, counted
 from ipmlang.inverse.split.changing import without_wraps
 from ipmlang.inverse.split.comparison import Difference
+from ipmlang.inverse.split.cost import scheme_tokens
 from ipmlang.inverse.split.explained import count_explained
 from ipmlang.inverse.split.facades.homes import at_home
 from ipmlang.inverse.split.parts_file import PartsFile, parts_name, write_parts
@@ -46,6 +47,7 @@ NOTHING = 1e-7  # share of the diagonal that does not count
 ROUNDINGS = (0.15, 0.03, 0.0003)  # shares of the limit that a number may be rounded by, in turn
 HOPE = 2.0  # times a rounding that an error beyond the limit may be due to it
 LISTED, ROW = 12, 2  # tokens that a table, and a row of it, count for beyond those they take
+MOST_AT_HOME = 20  # tokens of a placement that a terminal's own coordinates may save
 Up = Literal["auto", "y", "z"]
 
 
@@ -73,7 +75,7 @@ def grammar_of_model(
     say(f"looking for rules among {len(parts.shape)} components")
     goal = _Goal(parts, source, limit, stem, capital(word(path.stem)) or "Building")
     plain = flat(parts)
-    written_out = _written(goal, plain, ROUNDINGS[0], one_by_one=True)[0]
+    tokens_flat = _tokens(_grammar(goal, _said(goal, plain, ROUNDINGS[0], one_by_one=True), ".obj"))
     schemes = iter([plain]) if is_flat else _searched(goal, plain, options)
     say("comparing with the model")
     for scheme in schemes:
@@ -83,7 +85,7 @@ def grammar_of_model(
             difference = prove(source, text, file, stem, limit * parts.diagonal)
             if difference.none:
                 report = _report(goal, scheme, difference, options)
-                report = replace(report, tokens_flat=_tokens(written_out))
+                report = replace(report, tokens_flat=tokens_flat)
                 return Found(grammar, file.content, file.suffix, report)
             if difference.error > (1 + HOPE * rounding) * limit * parts.diagonal:
                 break
@@ -109,14 +111,23 @@ def _searched(goal: _Goal, plain: Scheme, options: Options) -> Iterator[Scheme]:
     from ipmlang.inverse.split.facades.splitting import as_splits
     from ipmlang.inverse.split.search.shortest import schemes
 
-    longest = _length(goal, plain)
     for found in schemes(parts, goal.limit * parts.diagonal):
-        if _length(goal, found) < longest:
+        if _shorter(goal, found, plain, small):
             split = as_splits(found, small)
             if split is not found:
                 yield split
             yield found
     yield plain
+
+
+def _shorter(goal: _Goal, found: Scheme, plain: Scheme, small: float) -> bool:
+    """Whether a scheme is shorter than the plain one when both are printed; where it is by far,
+    the plain one is not printed.
+    """
+    at_least = scheme_tokens(plain, small) - MOST_AT_HOME * len(goal.parts.classes)
+    if 2 * scheme_tokens(found, small) < at_least:
+        return True
+    return _length(goal, found) < _length(goal, plain)
 
 
 def _length(goal: _Goal, scheme: Scheme) -> int:
@@ -205,11 +216,16 @@ def _written(
     said = _said(goal, scheme, rounding, one_by_one)
     room = rounding * goal.limit
     file = write_parts(said.terminals, decimals_for(goal.parts.diagonal, 4 * room))
+    return _grammar(goal, said, file.suffix), file
+
+
+def _grammar(goal: _Goal, said: _Said, suffix: str) -> ast.Grammar:
+    """What was said, after what all grammars of models begin with."""
     items: list[ast.Item] = [ast.Version(1)]
     if goal.parts.up == "y-up":
         items.append(ast.Axes("y-up"))
-    items.append(ast.Asset(tuple(said.terminals), parts_name(goal.stem, file.suffix), True))
-    return ast.Grammar((*items, *said.items)), file
+    items.append(ast.Asset(tuple(said.terminals), parts_name(goal.stem, suffix), True))
+    return ast.Grammar((*items, *said.items))
 
 
 def _report(goal: _Goal, scheme: Scheme, difference: Difference, options: Options) -> Report:

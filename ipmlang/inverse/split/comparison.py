@@ -12,8 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ipmlang.formats.distinct import distinct_rows
 from ipmlang.formats.mesh_types import Mesh, triangulated
 from ipmlang.inverse.frames import Floats, Integers
+from ipmlang.inverse.parts.welding import linked
 
 BEYOND = 4.0  # times the limit up to which it is found out how far off a corner is
 
@@ -48,15 +50,16 @@ def compare_models(source: Mesh, derived: Mesh, limit: float) -> Difference:
     """
     if _sizes(source) != _sizes(derived):
         source, derived = _cut(source), _cut(derived)
-    places = np.unique(source.vertices[source.corners], axis=0)
-    label, error = _nearest(places, derived.vertices[derived.corners], limit)
-    if label is None:
+    own = distinct_rows(source.vertices[source.corners])
+    other = distinct_rows(derived.vertices[derived.corners])
+    places = source.vertices[source.corners[own[0]]]
+    points = derived.vertices[derived.corners[other[0]]]
+    cluster, near, error = _nearest(places, points, limit)
+    if near is None:
         return Difference(_count(source), _count(derived), error)
-    own, _ = _nearest(places, source.vertices[source.corners], limit)
-    assert own is not None
     names = _material_numbers(source, derived)
-    first = _keys(source, own, names)
-    second = _keys(derived, label, names)
+    first = _keys(source, cluster[own[1]], names)
+    second = _keys(derived, cluster[near][other[1]], names)
     lost, new = _unmatched(first, second)
     return Difference(lost, new, error)
 
@@ -84,36 +87,25 @@ def _cut(mesh: Mesh) -> Mesh:
     )
 
 
-def _nearest(places: Floats, points: Floats, limit: float) -> tuple[Integers | None, float]:
-    """The cluster of places (within `limit` of each other) that each point stands at, and how far
-    the farthest is from its place, up to some limits; None where one stands at none.
+def _nearest(
+    places: Floats, points: Floats, limit: float
+) -> tuple[Integers, Integers | None, float]:
+    """The cluster of each place, shared by those within `limit` of each other; the place that each
+    point stands at, None where one stands at none; and how far the farthest is from its place, up
+    to some limits.
     """
     from scipy.spatial import cKDTree
 
+    none = np.zeros(0, np.int64)
     if not len(places) or not len(points):
-        return (None if len(points) != len(places) else np.zeros(0, np.int64)), 0.0
-    unique, back = np.unique(points, axis=0, return_inverse=True)
+        return none, none if len(points) == len(places) else None, 0.0
     tree = cKDTree(places)
-    told = tree.query(unique, distance_upper_bound=BEYOND * limit)
-    distance, index = np.asarray(told[0], np.float64), np.asarray(told[1], np.int64)
-    farthest = float(distance.max())
+    told = tree.query(points, distance_upper_bound=BEYOND * limit)
+    farthest = float(np.max(told[0]))
     if farthest > limit * (1 + 1e-9):
-        return None, farthest
-    return _clusters(tree, limit)[index][back.reshape(-1)], farthest
-
-
-def _clusters(tree: object, limit: float) -> Integers:
-    """A label for each place, shared by those that are within `limit` of each other."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-    from scipy.spatial import cKDTree
-
-    assert isinstance(tree, cKDTree)
+        return none, None, farthest
     pairs = tree.query_pairs(limit, output_type="ndarray")
-    if not len(pairs):
-        return np.arange(tree.n, dtype=np.int64)
-    graph = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(tree.n, tree.n))
-    return np.asarray(connected_components(graph, directed=False)[1], np.int64)
+    return linked(len(places), pairs), np.asarray(told[1], np.int64), farthest
 
 
 def _material_numbers(*meshes: Mesh) -> dict[str, int]:
@@ -154,8 +146,7 @@ def _unmatched(first: list[Integers], second: list[Integers]) -> tuple[int, int]
     for k in range(max(len(first), len(second))):
         one = first[k] if k < len(first) else np.zeros((0, k + 4), np.int64)
         two = second[k] if k < len(second) else np.zeros((0, k + 4), np.int64)
-        _, kind = np.unique(np.concatenate([one, two]), axis=0, return_inverse=True)
-        kind = kind.reshape(-1)
+        _, kind = distinct_rows(np.concatenate([one, two]).astype(np.float64))
         total = int(kind.max(initial=-1)) + 1
         surplus = np.bincount(kind[: len(one)], minlength=total)
         surplus = surplus - np.bincount(kind[len(one) :], minlength=total)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,14 +26,12 @@ from ipmlang.inverse.split.scheme import Ring
 from ipmlang.inverse.split.search.figures import Figure, misses, probed
 from ipmlang.inverse.split.snapping import Flags, label_rows, snap_columns
 
-if TYPE_CHECKING:
-    from scipy.spatial import cKDTree
-
 EVERY = 16  # placements of which all pairs are looked at; of more, the nearest
 NEAREST = 4
 FRAMES = 16  # frames of a symmetry that are tried
 MOTIONS = 12  # motions that are followed
 LEAST = 2.0  # degrees of a step
+SAME = 4  # rows that may share a center
 MISSING = 2  # members in a row that may be missing
 
 
@@ -56,18 +53,26 @@ def rings(
     if len(frames) < 3:
         return
     points = probed(shape, frames)
-    for first, motion in _motions(shape, frames, points, error):
-        chain = _chain(shape, frames, points, first, motion, error)
-        if len(chain) >= 3:
-            found = _fitted(shape, frames, points, chain, motion, symbol, error)
-            if found is not None:
-                yield found
+    first, motion = _motions(shape, frames, points, error)
+    if len(first) == 0:
+        return
+    seen: set[bytes] = set()
+    ahead, steps = _ahead(shape, frames, points, motion, 8 * error)
+    for index in range(len(first)):
+        chain = _chain(int(first[index]), ahead[index], steps[index])
+        key = np.sort(chain).tobytes()
+        if len(chain) < 3 or key in seen:
+            continue
+        found = _fitted(shape, frames, points, chain, motion[index], symbol, error)
+        if found is not None:
+            seen.add(key)
+            yield found
 
 
 def _motions(
     shape: Figure, frames: Frames, points: Floats, error: float
-) -> Iterator[tuple[int, Floats]]:
-    """Turns (3, 4) that take several placements to the next, each with one of these."""
+) -> tuple[Integers, Floats]:
+    """Turns (m, 3, 4) that take several placements to the next, with one (m,) of these each."""
     one, two = _pairs(points[:, 0])
     many = min(len(shape.symmetry), FRAMES)
     own = shape.symmetry[np.tile(np.arange(many), len(one))]
@@ -80,14 +85,14 @@ def _motions(
     onward = ~_swaps(matrix, 1e-6 * reach)
     one, matrix, turned = one[onward], matrix[onward], turned[onward]
     if len(one) == 0:
-        return
+        return one, matrix
     scaled = matrix.reshape(-1, 12) / np.tile([1, 1, 1, reach], 3)
     label, count = label_rows(snap_columns(scaled, max(1e-6, 8 * error / shape.reach)))
     _, start = np.unique(label, return_index=True)
     angle = turned[start]
     order = np.lexsort((start, np.round(angle, 4), -count))
-    for kind in order[count[order] > 1][:MOTIONS].tolist():
-        yield int(one[start[kind]]), matrix[start[kind]]
+    kept = start[order[count[order] > 1][:MOTIONS]]
+    return one[kept], matrix[kept]
 
 
 def _swaps(motion: Floats, small: float) -> Flags:
@@ -111,59 +116,53 @@ def _pairs(center: Floats) -> tuple[Integers, Integers]:
     return one[one != two], two[one != two]
 
 
-def _chain(
-    shape: Figure, frames: Frames, points: Floats, first: int, motion: Floats, error: float
-) -> Integers:
-    """(k,) rows that the motion leads to from `first`, backwards and onwards; -1: missing."""
+def _ahead(
+    shape: Figure, frames: Frames, points: Floats, motion: Floats, near: float
+) -> tuple[Integers, Integers]:
+    """(m, n) rows that motions (m, 3, 4) lead to from each, after how many steps; -1: to none."""
     from scipy.spatial import cKDTree
 
+    many, count = len(motion), len(points)
     tree = cKDTree(points[:, 0])
-    back = matrices(inverse(from_matrices(motion)))[0]
-    onwards = _walk(shape, frames, points, tree, first, motion, error)
+    ahead, steps = np.full((many, count), -1, np.int64), np.zeros((many, count), np.int64)
+    at = np.broadcast_to(points.reshape(1, -1, 3), (many, 4 * count, 3))
+    for step in range(1, MISSING + 2):
+        at = at @ motion[:, :, :3].transpose(0, 2, 1) + motion[:, None, :, 3]
+        way, row = np.nonzero(ahead < 0)
+        wanted = at.reshape(many, count, 4, 3)[way, row]
+        told = tree.query(wanted[:, 0], k=SAME, distance_upper_bound=near)[1]
+        ask, rank = np.nonzero(np.asarray(told) < count)
+        hit = np.asarray(told)[ask, rank]
+        good = misses(shape, wanted[ask], frames[hit])[0] <= near
+        ask, hit = ask[good], hit[good]
+        last = np.lexsort([-hit, ask])  # of several the first counts
+        ask, hit = ask[last], hit[last]
+        ahead[way[ask], row[ask]], steps[way[ask], row[ask]] = hit, step
+    return ahead, steps
+
+
+def _chain(first: int, ahead: Integers, steps: Integers) -> Integers:
+    """(k,) rows that a motion leads to from `first`, backwards and onwards; -1: missing."""
+    known = list(zip(ahead.tolist(), steps.tolist(), strict=True))
+    onwards = _walk(first, {row: at for row, at in enumerate(known) if at[0] >= 0})
     if len(onwards) > 2 and first in onwards[1:]:
         return np.array(onwards[: onwards.index(first, 1)], np.int64)
-    before = _walk(shape, frames, points, tree, first, back, error)
-    return np.array(before[:0:-1] + onwards, np.int64)
+    behind = {row: (before, step) for before, (row, step) in enumerate(known) if row >= 0}
+    return np.array(_walk(first, behind)[:0:-1] + onwards, np.int64)
 
 
-def _walk(
-    shape: Figure,
-    frames: Frames,
-    points: Floats,
-    tree: cKDTree,
-    first: int,
-    motion: Floats,
-    error: float,
-) -> list[int]:
+def _walk(first: int, following: dict[int, tuple[int, int]]) -> list[int]:
     """Rows from `first` on, -1 for what is missing between, until it comes back or ends."""
-    chain, at, missing = [first], points[first], 0
-    seen = {first}
-    near = 8 * error
-    while missing <= MISSING and len(chain) < 2 * len(frames) + 4:
-        at = at @ motion[:, :3].T + motion[:, 3]
-        hit = -1
-        for row in sorted(tree.query_ball_point(at[0], near)):
-            if misses(shape, at[None], frames[row : row + 1])[0][0] <= near:
-                hit = row
-                at = _settled(shape, at, frames[row : row + 1])
-                break
-        missing = 0 if hit >= 0 else missing + 1
-        if hit in seen:
-            if hit == first:
-                chain.append(hit)
+    chain, seen = [first], {first}
+    while chain[-1] in following:
+        row, step = following[chain[-1]]
+        if row in seen and row != first:
             break
-        if hit >= 0:
-            seen.add(hit)
-        chain.append(hit)
-    while chain[-1] < 0:
-        chain.pop()
+        chain += [-1] * (step - 1) + [row]
+        if row in seen:
+            break
+        seen.add(row)
     return chain
-
-
-def _settled(shape: Figure, at: Floats, frame: Frames) -> Floats:
-    """The probes of a row, in the order that those at `at` are."""
-    which = int(misses(shape, at[None], frame)[1][0])
-    return np.asarray(shape.images[which] @ matrices(frame)[0][:, :3].T + frame.position[0])
 
 
 def _fitted(
