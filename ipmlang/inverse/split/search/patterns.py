@@ -7,6 +7,7 @@ first. What only hand placed stays a list.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -43,12 +44,28 @@ class Arranged:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Found:
-    """gain: tokens that an item saves at most; tokens: it takes; rows: placements it stands for."""
+    """gain: tokens that an item saves at most; tokens: it takes; rows: placements it stands for, in
+    its order.
+    """
 
     gain: float
     tokens: int
     rows: Integers
     item: Array | Ring
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Copies:
+    """Copies of a symbol: frames of n; alone (n,): tokens of each; left (n,): those that stand in
+    no pattern yet.
+    """
+
+    shape: Figure
+    symbol: int
+    frames: Frames
+    alone: Integers
+    left: Flags
+    limits: Limits
 
 
 @dataclass(slots=True, eq=False)
@@ -88,23 +105,34 @@ def _arranged(shape: Figure, frames: Frames, symbol: int, limits: Limits) -> Arr
     if len(frames) < FEWEST:
         return Arranged((Place(symbol, plainest),), int(alone.sum()), every * 0 - 1, every[:0])
     listed = listing(plainest, alone, limits.small)
-    groups = _turned_alike(shape, plainest, limits)
     left = np.ones(len(frames), np.bool_)
+    copies = _Copies(shape, symbol, plainest, alone, left, limits)
+    groups = _turned_alike(shape, plainest, limits)
+    group = np.full(len(frames), -1, np.int64)
+    for number, (rows, _) in enumerate(groups):
+        group[rows] = number
     items: list[Place | Array | Ring] = []
     patterns, each = every * 0 - 1, []
-    pool = _found(shape, plainest, groups, alone, left, symbol, limits)
+    circular = list(_rings(copies))
+    pool, stale = _arrays(copies, groups) + circular, set[int]()
     while pool and len(items) < MOST:
         best = _best(pool, listed, every[left])
         if best is None:
             break
+        if isinstance(best.item, Array) and not _exact(copies, best.rows, best.item):
+            pool = [found for found in pool if found is not best]
+            continue
         patterns[best.rows] = len(items)
         items.append(best.item)
         each.append(best.tokens)
         left[best.rows] = False
-        touched = [(rows, own) for rows, own in groups if np.intersect1d(rows, best.rows).size]
+        stale.update(group[best.rows].tolist())
         pool = [found for found in pool if left[found.rows].all()]
         if not pool:
-            pool = _found(shape, plainest, touched, alone, left, symbol, limits)
+            pool = _arrays(copies, [groups[number] for number in sorted(stale) if number >= 0])
+            stale = set()
+            if circular:  # what had no rings has none in a part of it
+                pool += _rings(copies)
     singly = list_tokens(listed, every[left])
     if left.any():
         items.append(Place(symbol, plainest[every[left]]))
@@ -141,44 +169,35 @@ def _turned_alike(shape: Figure, frames: Frames, limits: Limits) -> list[tuple[I
     return groups
 
 
-def _found(
-    shape: Figure,
-    frames: Frames,
-    groups: list[tuple[Integers, Frames]],
-    alone: Integers,
-    left: Flags,
-    symbol: int,
-    limits: Limits,
-) -> list[Found]:
-    """Patterns that pay among the rows that are left."""
-    pool = []
-    for rows, own in groups:
-        kept = left[rows]
-        pool += _arrays(shape, own[kept], rows[kept], alone, symbol, limits)
-    rest = np.nonzero(left)[0]
+def _rings(copies: _Copies) -> Iterator[Found]:
+    """Rings that pay among the rows that are left."""
+    rest = np.nonzero(copies.left)[0]
     if len(rest) > MOST_TURNED:
-        return pool
-    for rows, ring in rings(shape, frames[rest], symbol, limits.error):
-        tokens = item_tokens(ring, limits.small)
-        gain = float(alone[rest[rows]].sum()) - tokens
+        return
+    error = copies.limits.error
+    for rows, ring in rings(copies.shape, copies.frames[rest], copies.symbol, error):
+        tokens = item_tokens(ring, copies.limits.small)
+        gain = float(copies.alone[rest[rows]].sum()) - tokens
         if gain >= LEAST:
-            pool.append(Found(gain, tokens, rest[rows], ring))
-    return pool
+            yield Found(gain, tokens, rest[rows], ring)
 
 
-def _arrays(
-    shape: Figure, frames: Frames, rows: Integers, alone: Integers, symbol: int, limits: Limits
-) -> list[Found]:
-    if len(rows) < 3:
-        return []
-    each = float(alone[rows].mean())
+def _arrays(copies: _Copies, groups: list[tuple[Integers, Frames]]) -> list[Found]:
+    """Rows, grids and blocks that seem to pay among the rows of groups that are left."""
     pool = []
-    for lattice in lattices(frames.position, limits.error / 2, each):
-        item = _array(frames, lattice, symbol)
-        tokens = item_tokens(item, limits.small)
-        gain = float(alone[rows[lattice.rows]].sum()) - tokens
-        if gain >= LEAST and _exact(shape, frames, lattice, item, limits):
-            pool.append(Found(gain, tokens, rows[lattice.rows], item))
+    for every, turned in groups:
+        kept = copies.left[every]
+        rows, frames = every[kept], turned[kept]
+        if len(rows) < FEWEST:
+            continue
+        alone = copies.alone[rows]
+        for lattice in lattices(frames.position, copies.limits.error / 2, float(alone.mean())):
+            item = _array(frames, lattice, copies.symbol)
+            tokens = item_tokens(item, copies.limits.small)
+            gain = float(alone[lattice.rows].sum()) - tokens
+            if gain >= LEAST:
+                order = np.lexsort(lattice.digits.T[::-1])
+                pool.append(Found(gain, tokens, rows[lattice.rows[order]], item))
     return pool
 
 
@@ -188,11 +207,10 @@ def _array(frames: Frames, lattice: Lattice, symbol: int) -> Array:
     return Array(symbol, first, lattice.directions, lattice.holes)
 
 
-def _exact(shape: Figure, frames: Frames, lattice: Lattice, item: Array, limits: Limits) -> bool:
-    """Whether an array puts every member where it is."""
-    order = np.lexsort(lattice.digits.T[::-1])
+def _exact(copies: _Copies, rows: Integers, item: Array) -> bool:
+    """Whether an array puts every member where it is; rows: its members in its order."""
     made = placements(item)[0][1]
-    if len(made) != len(order):
+    if len(made) != len(rows):
         return False
-    off = misses(shape, probed(shape, made), frames[lattice.rows[order]])[0]
-    return bool(off.max() <= limits.error)
+    off = misses(copies.shape, probed(copies.shape, made), copies.frames[rows])[0]
+    return bool(off.max() <= copies.limits.error)

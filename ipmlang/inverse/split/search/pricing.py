@@ -6,11 +6,12 @@ again; patterns that it takes apart count as lost. Nothing is changed here.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from ipmlang.inverse.frames import Floats, Integers
+from ipmlang.inverse.frames import Floats, Frames, Integers
 from ipmlang.inverse.split.cost import HEAD, placement_tokens
 from ipmlang.inverse.split.listing import every_token
 from ipmlang.inverse.split.search.drafts import Draft, Limits, Motif
@@ -59,24 +60,32 @@ def priced(draft: Draft, limits: Limits, memory: Memory) -> Priced:
     return Priced(draft, tuple(lists), tuple(found), label, place)
 
 
-def gain_of(base: Priced, motif: Motif, shape: Figure, limits: Limits, memory: Memory) -> float:
-    """Tokens that a motif saves whose figure is `shape`."""
-    draft = base.draft
+def gain_of(
+    base: Priced, motif: Motif, shape: Figure, limits: Limits, memory: Memory, least: float
+) -> float:
+    """Tokens that a motif saves whose figure is `shape`; where they are fewer than `least`, some
+    number below that.
+    """
     rows = motif.rows.ravel()
     saved = -float(HEAD)
     for index in np.unique(base.of[rows]).tolist():
         gone = base.place[rows[base.of[rows] == index]]
         saved += base.found[index].tokens - _without(base, index, gone, limits)
+    for figure, symbol, frames in _lists(base.draft, motif, shape):
+        if saved - 1 < least:  # any list takes a token
+            return saved - 1
+        saved -= arranged(figure, frames, symbol, limits, memory).tokens
+    return saved
+
+
+def _lists(draft: Draft, motif: Motif, shape: Figure) -> Iterator[tuple[Figure, int, Frames]]:
+    """The lists of copies that a motif makes, in its body and where it is used."""
     symbols = draft.symbol[motif.rows[0]]
     for symbol in np.unique(symbols).tolist():
-        inside = motif.inside[symbols == symbol]
-        saved -= arranged(draft.figures[symbol], inside, symbol, limits, memory).tokens
-    name = len(draft.figures)
+        yield draft.figures[symbol], symbol, motif.inside[symbols == symbol]
     home = draft.body[motif.rows[:, 0]]
     for body in np.unique(home).tolist():
-        outside = motif.places[home == body]
-        saved -= arranged(shape, outside, name, limits, memory).tokens
-    return saved
+        yield shape, len(draft.figures), motif.places[home == body]
 
 
 def _without(base: Priced, index: int, gone: Integers, limits: Limits) -> int:

@@ -56,17 +56,13 @@ def rings(
     first, motion = _motions(shape, frames, points, error)
     if len(first) == 0:
         return
-    seen: set[bytes] = set()
     ahead, steps = _ahead(shape, frames, points, motion, 8 * error)
     for index in range(len(first)):
         chain = _chain(int(first[index]), ahead[index], steps[index])
-        key = np.sort(chain).tobytes()
-        if len(chain) < 3 or key in seen:
-            continue
-        found = _fitted(shape, frames, points, chain, motion[index], symbol, error)
-        if found is not None:
-            seen.add(key)
-            yield found
+        if len(chain) >= 3:
+            found = _fitted(shape, frames, points, chain, motion[index], symbol, error)
+            if found is not None:
+                yield found
 
 
 def _motions(

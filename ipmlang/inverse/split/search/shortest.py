@@ -182,7 +182,7 @@ def _taken(base: Priced, offers: list[Offer], limits: Limits, memory: Memory) ->
     """The draft with the best of the offers, and all others that still pay then."""
     good = []
     for offer in offers:
-        gain = gain_of(base, offer.motif, offer.shape, limits, memory)
+        gain = gain_of(base, offer.motif, offer.shape, limits, memory, LEAST)
         if gain >= LEAST:
             good.append(replace(offer, gain=gain))
     good.sort(key=lambda offer: -offer.gain)
@@ -195,8 +195,8 @@ def _taken(base: Priced, offers: list[Offer], limits: Limits, memory: Memory) ->
         motif = Motif(rows, offer.motif.places, offer.motif.inside)
         if result is not None:
             base = priced(result, limits, memory)
-            gain = gain_of(base, motif, offer.shape, limits, memory)
-            if gain < max(LEAST, 0.5 * offer.gain):
+            least = max(LEAST, 0.5 * offer.gain)
+            if gain_of(base, motif, offer.shape, limits, memory, least) < least:
                 continue
         result = with_motif(base.draft, motif, offer.shape)
         kept = np.ones(len(base.draft), np.bool_)
