@@ -44,9 +44,9 @@ ITEMS = {
     "Night.Window(w) --> body": "Under a dotted name, an item replaces what a style or an import "
     "has under that name: all rules of a symbol with as many parameters (`interpret` rules apart), "
     "or a symbol that has none and would draw itself; `attr Night.lit = 0.9`, `const`, `fn`, "
-    "`asset` and `table` do the same, and of an `attr` what is left out (type, range, meaning) "
-    "stays. `plants.Leaf --> body` gives the library another leaf wherever it makes one, here "
-    "and in all that this file imports; the library imported once more under another name stays "
+    "`asset`, `table` and `context` do the same, and of an `attr` what is left out (type, range, "
+    "meaning) stays. `plants.Leaf --> body` gives the library another leaf wherever it makes one, "
+    "here and in all that this file imports; the library imported once more under another name stays "
     "as it is, and is where to find the old rule. `Night.plants.Leaf` does so in a style, "
     "`streets.plants.Leaf` in what `streets` imports alone. In a rule of a style, names are those "
     "of the style; in a rule for an import, those of the file that it is written in.",

@@ -211,6 +211,17 @@ def test_an_imported_context_lies_beside_its_file(folder: Path) -> None:
     assert one == other > 0
 
 
+def test_a_style_or_an_importer_may_put_another_context_in_its_place(folder: Path) -> None:
+    text = "style Blank\ncontext Blank.mask = \"dot.png\" over (0, 0, 1, 1)\n"
+    text += "A --> F(1 + fetch(mask, 5, 5))\nstart A Blank.A\n"
+    Image.fromarray(np.array([[51]], np.uint8)).save(folder / "dot.png")
+    first, second = lengths(grammar(folder, text).run())
+    assert first != second == 1.2
+    (folder / "land.ipm").write_text(HEAD + "A --> F(1 + fetch(mask, 5, 5))\n")
+    text = 'import "land"\ncontext land.mask = "dot.png" over (0, 0, 1, 1)\nstart land.A\n'
+    assert lengths(grammar(folder, text).run()) == [1.2]
+
+
 def test_a_changed_picture_is_read_again(folder: Path) -> None:
     made = grammar(folder, "start F(1 + fetch(mask, 5, 5))\n")
     Image.fromarray(np.full((3, 3), 51, np.uint8)).save(folder / "grey.png")

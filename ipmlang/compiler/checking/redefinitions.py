@@ -20,7 +20,9 @@ from ipmlang.compiler.ops import OPERATIONS
 from ipmlang.compiler.styles import names_of, styles_of
 from ipmlang.compiler.types import PHRASES, fits
 
-REPLACEABLE = (ast.Rule, ast.Asset, ast.Table, ast.Attr, ast.Const, ast.Function)
+REPLACEABLE = (
+    ast.Rule, ast.Asset, ast.Table, ast.Field, ast.Attr, ast.Const, ast.Function,
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -204,11 +206,29 @@ def _unlike(
         if missing and item.reference is None:
             message = f"{what} has a column `{missing[0]}`, and this table has none"
             yield group.diagnostic(index, _name_span(group, index), "no-such-column", message)
+    elif isinstance(item, ast.Field):
+        yield from _other_context(group, index, item, original, what)
     elif not fits(found, before.type):
         message = f"{what} is {PHRASES[before.type]}, and this is {PHRASES[found]}"
         yield group.diagnostic(index, item.span, "wrong-type", message)
     elif isinstance(item, ast.Attr) and isinstance(original, ast.Attr) and item.allowed is None:
         yield from _out_of_range(group, index, item, original, what)
+
+
+def _other_context(
+    group: Group, index: int, item: ast.Field, original: ast.Item, what: str
+) -> Iterator[Diagnostic]:
+    """What is asked of a context must have an answer of the same kind in the one in its place."""
+    assert isinstance(original, ast.Field)
+    message = ""
+    if (item.kind == "vector") != (original.kind == "vector"):
+        kinds = (original.kind, item.kind)
+        first, second = ("a vector field" if each == "vector" else "no vector" for each in kinds)
+        message = f"{what} is {first}, and this is {second}"
+    elif original.place is not None and item.place is None:
+        message = f"{what} lies over a part of the ground, and this does not"
+    if message:
+        yield group.diagnostic(index, _name_span(group, index), "wrong-kind", message)
 
 
 def _out_of_range(
