@@ -46,8 +46,8 @@ ITEMS = {
     "or a symbol that has none and would draw itself; `attr Night.lit = 0.9`, `const`, `fn`, "
     "`asset`, `table` and `context` do the same, and of an `attr` what is left out (type, range, "
     "meaning) stays. `plants.Leaf --> body` gives the library another leaf wherever it makes one, "
-    "here and in all that this file imports; the library imported once more under another name stays "
-    "as it is, and is where to find the old rule. `Night.plants.Leaf` does so in a style, "
+    "here and in all that this file imports; the library imported once more under another name "
+    "stays as it is, and is where to find the old rule. `Night.plants.Leaf` does so in a style, "
     "`streets.plants.Leaf` in what `streets` imports alone. In a rule of a style, names are those "
     "of the style; in a rule for an import, those of the file that it is written in.",
     'asset win = "house.glb#window_2"': "Terminal geometry from an svg, glb, obj, ply or stl "
