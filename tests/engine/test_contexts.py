@@ -212,7 +212,7 @@ def test_an_imported_context_lies_beside_its_file(folder: Path) -> None:
 
 
 def test_a_style_or_an_importer_may_put_another_context_in_its_place(folder: Path) -> None:
-    text = "style Blank\ncontext Blank.mask = \"dot.png\" over (0, 0, 1, 1)\n"
+    text = 'style Blank\ncontext Blank.mask = "dot.png" over (0, 0, 1, 1)\n'
     text += "A --> F(1 + fetch(mask, 5, 5))\nstart A Blank.A\n"
     Image.fromarray(np.array([[51]], np.uint8)).save(folder / "dot.png")
     first, second = lengths(grammar(folder, text).run())
