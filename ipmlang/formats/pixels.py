@@ -180,8 +180,8 @@ def _field(path: Path) -> NDArray[np.generic]:
     if wrong.any():
         row, column, _ = (int(each[0]) for each in np.nonzero(wrong))
         raise FormatError(
-            f"{path.name} has {np.count_nonzero(wrong):,} numbers that are not finite, the first "
-            f"in row {row}, column {column}",
+            f"not every number of {path.name} is finite: {np.count_nonzero(wrong):,} of "
+            f"{wrong.size:,} are not, the first in row {row}, column {column}",
             hint="say what holds there: numpy.nan_to_num(field)",
         )
     return numbers

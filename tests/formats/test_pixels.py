@@ -99,7 +99,7 @@ def test_a_field_has_its_numbers(kind: str, shape: tuple[int, ...], tmp_path: Pa
 @pytest.mark.parametrize(
     ("numbers", "message"),
     [
-        (np.array([[1, np.nan], [np.inf, 0]]), "2 numbers that are not finite.*row 0, column 1"),
+        (np.array([[1, np.nan], [np.inf, 0]]), "is finite: 2 of 4 are not.*row 0, column 1"),
         (np.zeros(3), r"shape \(3,\)"),
         (np.zeros((2, 2, 5)), r"shape \(2, 2, 5\)"),
         (np.zeros((0, 4)), "empty"),
