@@ -97,9 +97,8 @@ class Frontier(Trimming):
 
     def run(self, seed: int) -> None:
         """Derive everything."""
-        self.counted.trail = Trail(self.order, self.names)
-        self._names = [(0, "start")]
-        self.apply(-1, self._axiom(seed))
+        self.names_begin()
+        self.apply(-1, self.axiom(seed))
         levels = None if self.draws is None else Levels(self)
         while self.pending.count or self._later:
             if not self.pending.count:
@@ -111,6 +110,11 @@ class Frontier(Trimming):
                 self._single.run()
             else:
                 self.advance()
+
+    def names_begin(self) -> None:
+        """Begin to note what shapes are called, for the way to one of them."""
+        self.counted.trail = Trail(self.order, self.names)
+        self._names = [(0, "start")]
 
     def is_narrow(self) -> bool:
         """Whether so little waits that shapes are derived one by one."""
@@ -126,7 +130,7 @@ class Frontier(Trimming):
         """Where in the numbers of shapes those of each name begin."""
         return self._names
 
-    def _axiom(self, seed: int) -> Shapes:
+    def axiom(self, seed: int) -> Shapes:
         """The first shapes: one, or those that the start stands on."""
         state: dict[str, Column] = dict(self._initial)
         count = 1

@@ -38,11 +38,10 @@ def derive_frontier(
     limits: ir.Limits,
     tell: Callable[[Lineage], None] | None = None,
     draws: Replay | Recording | None = None,
-    begin: Callable[..., Frontier] = Frontier,
 ) -> Scene | None:
     """Derive a program whose modules expand independently; None where they do not. `tell` gets the
     derivation tree, which is kept for it alone. `draws`: known choices of productions, or who notes
-    them, in a program with scopes. `begin` makes the frontier.
+    them, in a program with scopes.
 
     Raises IpmError where a limit is reached, no production applies, or a number is not finite.
     """
@@ -50,6 +49,19 @@ def derive_frontier(
         not is_independent(program) or (_modules(program) > LONG and tell is None)
     ):
         return None
+    return derived(program, attrs, seed, limits, tell, draws)
+
+
+def derived(
+    program: ir.Program,
+    attrs: Sequence[float],
+    seed: int,
+    limits: ir.Limits,
+    tell: Callable[[Lineage], None] | None = None,
+    draws: Replay | Recording | None = None,
+    begin: Callable[..., Frontier] = Frontier,
+) -> Scene | None:
+    """The same by the frontier that `begin` makes, whatever the program."""
     bound = Bound(program, attrs, FUNCTIONS)
     initial = fields(program)
     recorder = None if tell is None else Recorder()

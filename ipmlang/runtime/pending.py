@@ -65,9 +65,14 @@ class Pending:
             self._counts[key] = self._counts.get(key, 0) + shapes.count
             self.count += shapes.count
 
-    def next(self) -> tuple[Key, Shapes]:
-        """The batch to derive next: at most CHUNK shapes."""
-        key = max(self._counts, key=lambda each: (min(self._counts[each], CHUNK), each[1]))
+    def has(self, wanted: Callable[[int], bool]) -> bool:
+        """Whether shapes of a symbol that is wanted wait."""
+        return any(wanted(symbol) for symbol, _ in self._counts)
+
+    def next(self, wanted: Callable[[int], bool] | None = None) -> tuple[Key, Shapes]:
+        """The batch to derive next: at most CHUNK shapes; of a symbol that is wanted, if given."""
+        waiting = [each for each in self._counts if wanted is None or wanted(each[0])]
+        key = max(waiting, key=lambda each: (min(self._counts[each], CHUNK), each[1]))
         chunks = self._chunks[key]
         found: list[Shapes] = []
         room = CHUNK

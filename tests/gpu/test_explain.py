@@ -27,9 +27,10 @@ def test_a_rule_without_a_body_keeps_its_alternatives() -> None:
     assert "line 4" in next(each.why for each in found if each.line == 3)
 
 
-def test_what_follows_the_turtle_is_the_whole_program() -> None:
-    text = "ipm 1\nA --> F +(rand(9)) A\nB --> A F\nstart B F steps 2\n"
+def test_a_bending_turtle_is_the_whole_program() -> None:
+    text = "ipm 1\ntropism (0, -1, 0) 0.2\nA --> F +(rand(9)) A\nstart A F steps 2\n"
     assert reasons(ipmlang.parse(text).program)[0].rule == ""
+    assert not reasons(ipmlang.parse(text.replace("tropism (0, -1, 0) 0.2\n", "")).program)
 
 
 def test_rules_of_imported_files_are_told_with_them() -> None:

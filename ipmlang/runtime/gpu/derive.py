@@ -15,15 +15,18 @@ from numpy.typing import NDArray
 from ipmlang.compiler import ir
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.drawings import Chunk
+from ipmlang.runtime.fields import fields
 from ipmlang.runtime.frontier import Frontier
 from ipmlang.runtime.gpu import isa, sampling
 from ipmlang.runtime.gpu.device import device
-from ipmlang.runtime.gpu.encode import Encoded, encode
+from ipmlang.runtime.gpu.encode import Encoded, calls_of, encode
 from ipmlang.runtime.gpu.geometries import Geometries
 from ipmlang.runtime.gpu.isa import FINAL, HEADER, NONE, ON_CPU, TERMINAL, Entry, Header, Terminal
 from ipmlang.runtime.gpu.leaves import places
 from ipmlang.runtime.gpu.machine import Layout, Machine, Made, Rows, TroubleError
-from ipmlang.runtime.numpy_backend import derive_frontier
+from ipmlang.runtime.gpu.seeds import Seeds
+from ipmlang.runtime.gpu.words import Calls
+from ipmlang.runtime.numpy_backend import derived
 from ipmlang.runtime.order import Copies, Drawn, Record, Slot
 from ipmlang.runtime.order import Made as MadeShapes
 from ipmlang.runtime.pending import FINAL as LAST
@@ -42,13 +45,17 @@ def derive_gpu(
 
     Raises IpmError as the frontier does, and where there is no card or it fails.
     """
+    calls = calls_of(program)
+    names = tuple(fields(program))
+    if calls == "threads" and encode(program, names, len(attrs), calls=calls).reasons:
+        return None
     kept: list[GpuFrontier] = []
 
     def begin(*args: object) -> GpuFrontier:
-        kept.append(GpuFrontier(*args))
+        kept.append(GpuFrontier(calls, *args))
         return kept[-1]
 
-    scene = derive_frontier(program, attrs, seed, limits, begin=begin)
+    scene = derived(program, attrs, seed, limits, begin=begin)
     if scene is None or not any(each.ran for each in kept):
         return None
     scene.backend = "gpu+cpu" if kept[-1].shared else "gpu"
@@ -60,23 +67,46 @@ class GpuFrontier(Frontier):
     the start aside.
     """
 
-    def __init__(self, *args: object) -> None:
+    def __init__(self, calls: Calls, *args: object) -> None:
         super().__init__(*args)  # type: ignore[arg-type]
         self.ran = self.shared = False
+        self._calls = calls
         texels = sampling.extents(self.bound.data.contexts)
-        self._encoded = encode(self.program, self.fields, len(self.bound.attrs), texels)
+        count = len(self.bound.attrs)
+        self._encoded = encode(self.program, self.fields, count, texels, calls)
         self._capable = set(self._encoded.capable)
         self._geometries = Geometries(self.pool, self.cut_box)
         self._machine: Machine | None = None
         self._layout = Layout(0, 0, {})
 
-    def advance(self) -> None:
-        """Derive what waits for the card, else some of what waits for the CPU."""
-        batches = self.pending.take(lambda symbol: symbol in self._capable)
-        if not batches:
-            self.shared = self.shared or self.ran
-            super().advance()
+    def run(self, seed: int) -> None:
+        """Derive everything."""
+        if self._calls == "none":
+            super().run(seed)
             return
+        self.names_begin()
+        first = self.axiom(seed)
+        assert self._encoded.axiom is not None
+        self._machine = self._built()
+        roots = self._roots([((isa.RESUME | self._encoded.axiom, 0), first)])
+        try:
+            made = self._machine.run(roots, first.count, self.counted.most())
+        except TroubleError:
+            self.shared = True
+            return
+        finally:
+            self.release()
+        self._take(made, first.numbers)
+        self.ran = True
+
+    def advance(self) -> None:
+        """Derive some of what waits for the CPU; where nothing does, all that the card can."""
+        if self.pending.has(self._is_left):
+            self.shared = self.shared or self.ran
+            (symbol, generation), shapes = self.pending.next(self._is_left)
+            self.derive(symbol, generation, shapes)
+            return
+        batches = self.pending.take(self._capable.__contains__)
         try:
             self._run(batches)
             self.ran = True
@@ -84,6 +114,10 @@ class GpuFrontier(Frontier):
             self._learn(found)
             for (symbol, generation), shapes in batches:
                 self.pending.put(symbol, generation, shapes)
+
+    def _is_left(self, symbol: int) -> bool:
+        """Whether the CPU derives a symbol."""
+        return symbol not in self._capable
 
     def is_narrow(self) -> bool:
         """Never: the card takes few shapes as it takes many."""
@@ -156,7 +190,8 @@ class GpuFrontier(Frontier):
         data += self._sampled(code, sum(map(len, data)))
         self._layout = self._laid(encoded, base, geometries)
         notes = len(self.program.productions) + 1 + len(self.program.symbols)
-        return Machine(device(), self._layout, code, np.concatenate(data), notes)
+        kind = Machine if self._calls == "none" else Seeds
+        return kind(device(), self._layout, code, np.concatenate(data), notes)
 
     def _sampled(self, code: Words, place: int) -> list[NDArray[np.float64]]:
         """The contexts that are fetched, to stand in the data from a place on."""
@@ -192,6 +227,9 @@ class GpuFrontier(Frontier):
             "slot_size": slots.get("sx", NONE),
             "slot_geometry": slots.get("geo", NONE),
             "mirrors": int(mirrors),
+            "registers": encoded.registers,
+            "resumable": int(encoded.resumable or self._calls != "none"),
+            "forks": int(self._calls == "forks"),
         }
         return Layout(len(self.fields), encoded.parameters, uniforms)
 

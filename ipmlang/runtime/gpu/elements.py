@@ -8,14 +8,15 @@ GPU raises `UnsupportedError`; nothing is guessed.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 from ipmlang.compiler import ir
 from ipmlang.compiler.ops import FUNCTIONS
 from ipmlang.runtime.fields import FRAME, SCOPE
 from ipmlang.runtime.gpu import shaping
 from ipmlang.runtime.gpu.functions import calls
-from ipmlang.runtime.gpu.isa import NONE, REGISTERS, Op
+from ipmlang.runtime.gpu.isa import NONE, Op
+from ipmlang.runtime.gpu.registers import Names, Room, ending, inside, last_uses, read_by
 from ipmlang.runtime.gpu.unsupported import UnsupportedError
 from ipmlang.runtime.gpu.words import Words
 from ipmlang.runtime.grouping import FIELD as GROUP
@@ -26,58 +27,14 @@ MOST = 64  # numbers that one symbol or one block may be given
 OWN = None  # the site of what is drawn under the shape's own key
 
 
-class Room:
-    """The registers of one body: those that are free, and the most that were in use."""
-
-    def __init__(self, fields: Sequence[str], parameters: int, reserved: int = 0) -> None:
-        self.fields = tuple(fields)
-        self._first = len(fields)
-        self._parameters = parameters
-        self._next = self._first + parameters + reserved
-        self._free: list[int] = []
-        self.most = self._next
-
-    def own(self) -> tuple[int, ...]:
-        """The registers of the shape's parameters."""
-        return tuple(range(self._first, self._first + self._parameters))
-
-    def new(self) -> int:
-        """A free register."""
-        if self._free:
-            return self._free.pop()
-        if self._next >= REGISTERS:
-            raise UnsupportedError("registers", f"its body holds more than {REGISTERS} numbers")
-        self._next += 1
-        self.most = max(self.most, self._next)
-        return self._next - 1
-
-    def free(self, registers: Iterable[int]) -> None:
-        """Registers that nothing reads any more."""
-        self._free += registers
-
-
-@dataclass(slots=True)
-class Names:
-    """What instructions call things: the shape's parameters, registers of the IR, the numbers of
-    the copies around, outermost first, and of how many each is one; `shown` is the register that
-    says whether anything is made (None: it is).
-    """
-
-    params: tuple[int, ...]
-    registers: dict[int, int] = field(default_factory=dict)
-    copies: tuple[tuple[int, int], ...] = ()
-    many: dict[int, int] = field(default_factory=dict)
-    shown: int | None = None
-    known: dict[int, float] = field(default_factory=dict)
-    given: Mapping[int, float] = field(default_factory=dict)
-
-
 class Elements:
     """Writes the elements of one body."""
 
     def __init__(self, words: Words, room: Room) -> None:
         self.words = words
         self.room = room
+        self._last: ir.Instruction | None = None  # the child that ends a body
+        self._breaks = 0  # whether it may be broken off: not while productions are chosen
         self._slots = {name: number for number, name in enumerate(room.fields)}
 
     # ------------------------------------------------------------------------- entry points
@@ -91,7 +48,10 @@ class Elements:
 
     def production(self, body: Sequence[ir.Instruction]) -> None:
         """The body of a production."""
+        self._last = ending(body, self.words.calls == "forks")
+        self._breaks = 1
         self.body(body, Names(self.room.own()))
+        self.words.registers = max(self.words.registers, self.room.most - len(self.room.fields))
 
     def acts(
         self, meaning: Sequence[ir.Instruction], symbol: int, site: int | None, names: Names
@@ -101,6 +61,8 @@ class Elements:
         """
         borrowed = {*names.params, *(own for _, own in names.copies), *names.many.values()}
         for each in meaning:
+            if each.op == "uniform" and site is not OWN:
+                raise UnsupportedError("uniform", "what it draws is another module's")
             if each.op in ir.VALUE_OPS:
                 self._value(each, names)
                 continue
@@ -117,12 +79,12 @@ class Elements:
 
     def body(self, elements: Sequence[ir.Instruction], names: Names) -> None:
         """The elements of a body. Registers of its own are free again after it."""
-        last = _last_uses(elements)
+        last = last_uses(elements)
         own: set[int] = set()
         saved: list[dict[str, int]] = []
         for number, each in enumerate(elements):
             if each.op == "open":
-                saved.append(self._saved(_touched(self.words.program, _inside(elements, number))))
+                saved.append(self._saved(self._touched(inside(elements, number))))
             elif each.op == "close":
                 self._restored(saved.pop())
             elif each.op in _STRUCTURE:
@@ -136,6 +98,26 @@ class Elements:
             own.difference_update(ended)
             self.room.free(names.registers.pop(out) for out in ended)
         self.room.free(names.registers.pop(out) for out in own)
+
+    def _touched(self, elements: Iterable[ir.Instruction]) -> frozenset[str]:
+        """The fields of the state that elements change for what follows them."""
+        found: set[str] = set()
+        depth = 0
+        for each in elements:
+            depth += (each.op == "open") - (each.op == "close")
+            if depth:
+                continue
+            if each.op == "module":
+                assert isinstance(each.const, int)
+                symbol = self.words.program.symbols[each.const]
+                if not (symbol.productions or symbol.interpretation):
+                    for own in symbol.meaning or ():
+                        found |= shaping.changes(own)
+                elif self.words.calls == "threads" and symbol.moves:
+                    found.update(self.room.fields)
+            elif each.op == "repeat":
+                found |= self._touched(each.body) - set(SCOPE)
+        return frozenset(found)
 
     def _saved(self, touched: Iterable[str]) -> dict[str, int]:
         """Copies of fields of the state."""
@@ -227,7 +209,7 @@ class Elements:
 
     def _key(self, site: int, names: Names) -> None:
         """The key of a site, in the copies around it."""
-        self.words.put(Op.KEY, z=site)
+        self.words.put(Op.KEY, z=site, n=self._breaks)
         for _, register in names.copies:
             self.words.put(Op.MIX, a=register)
 
@@ -326,7 +308,7 @@ class Elements:
         if len(args) > MOST:
             raise UnsupportedError(symbol.name, f"it has more than {MOST} parameters")
         self._key(each.site, names)
-        self.words.child(each.const, args)
+        self.words.child(each.const, args, last=each is self._last)
 
     # -------------------------------------------------------------------- parts and copies
 
@@ -336,7 +318,7 @@ class Elements:
             raise UnsupportedError("split area", "areas are measured on the CPU")
         low, size = (names.registers[arg] for arg in each.args)
         moved = {*"xyz", ("sx", "sy", "sz")[each.const], "geo"}
-        saved = self._saved(moved | _touched(self.words.program, each.body))
+        saved = self._saved(moved | self._touched(each.body))
         at = self.words.put(Op.SLAB, a=low, b=size, z=each.const)
         self.body(each.body, replace(names, registers=dict(names.registers)))
         self._restored(saved)
@@ -345,8 +327,8 @@ class Elements:
     def _repeat(self, each: ir.Instruction, names: Names) -> None:
         count = self.room.new()
         self.words.put(Op.COUNT, out=count, a=names.registers[each.args[0]])
-        touched = _touched(self.words.program, each.body)
-        if touched - set(SCOPE):
+        touched = self._touched(each.body)
+        if touched - set(SCOPE) or self.words.calls != "none":
             self._loop(each, names, count, touched)
         else:
             self._block(each, names, count)
@@ -355,7 +337,7 @@ class Elements:
     def _block(self, each: ir.Instruction, names: Names, count: int) -> None:
         """Copies that leave the state alone: a block, which knows what it reads."""
         assert isinstance(each.const, int)
-        read = _read(each.body) | set(each.args[1:])
+        read = read_by(each.body) | set(each.args[1:])
         kept = {out: own for out, own in names.registers.items() if out in read}
         given = list(dict.fromkeys([
             *names.params, *kept.values(), *(own for _, own in names.copies), *names.many.values(),
@@ -367,6 +349,7 @@ class Elements:
         first = len(self.room.fields)
         places = {own: first + place for place, own in enumerate(given)}
         inner = Elements(self.words, Room(self.room.fields, len(given), reserved=1))
+        inner._breaks = 1
         index = first + len(given)
         own = Names(
             tuple(places[param] for param in names.params),
@@ -404,7 +387,7 @@ class Elements:
             if inner.shown is not None:
                 self.room.free([inner.shown])
         self.room.free([index, *saved.values()])
-        self.words.widest = max(self.words.widest, self.room.most - len(self.room.fields))
+        self.words.resumable = True
 
     def clear(self, each: ir.Instruction, names: Names) -> int | None:
         """Code that shows a copy unless it is a hole; the register that says so."""
@@ -440,7 +423,7 @@ class Elements:
             self.words.put_faces(Op.FACES, table, out=many)
             at = self.words.put(Op.ZERO, a=many)
             moved = {*FRAME, *SCOPE} - {"scale", "angle"}
-            saved = self._saved(moved | _touched(self.words.program, part.body))
+            saved = self._saved(moved | self._touched(part.body))
             start = self.words.here
             self.words.put_faces(Op.FACE, table, a=index)
             inner = replace(
@@ -460,49 +443,3 @@ _STRUCTURE = {
     "repeat": Elements._repeat,
     "pieces": Elements._pieces,
 }
-
-
-def _inside(elements: Sequence[ir.Instruction], begin: int) -> Sequence[ir.Instruction]:
-    """The elements between a bracket and its end."""
-    depth = 0
-    for number in range(begin, len(elements)):
-        depth += (elements[number].op == "open") - (elements[number].op == "close")
-        if depth == 0:
-            return elements[begin + 1 : number]
-    return elements[begin + 1 :]
-
-
-def _last_uses(elements: Sequence[ir.Instruction]) -> dict[int, int]:
-    """The last element that reads each register, in itself or in what it holds."""
-    last: dict[int, int] = {}
-    for number, each in enumerate(elements):
-        for register in (*each.args, *_read(each.body)):
-            last[register] = number
-    return last
-
-
-def _read(body: Iterable[ir.Instruction]) -> set[int]:
-    found: set[int] = set()
-    for each in body:
-        found.update(each.args)
-        found |= _read(each.body)
-    return found
-
-
-def _touched(program: ir.Program, elements: Iterable[ir.Instruction]) -> frozenset[str]:
-    """The fields of the state that elements change for what follows them."""
-    found: set[str] = set()
-    depth = 0
-    for each in elements:
-        depth += (each.op == "open") - (each.op == "close")
-        if depth:
-            continue
-        if each.op == "module":
-            assert isinstance(each.const, int)
-            symbol = program.symbols[each.const]
-            if not (symbol.productions or symbol.interpretation):
-                for own in symbol.meaning or ():
-                    found |= shaping.changes(own)
-        elif each.op == "repeat":
-            found |= _touched(program, each.body) - set(SCOPE)
-    return frozenset(found)

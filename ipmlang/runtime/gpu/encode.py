@@ -12,21 +12,23 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ipmlang.compiler import ir
-from ipmlang.runtime.gpu.elements import OWN, Elements, Names, Room
-from ipmlang.runtime.gpu.isa import LONGEST, NONE, ON_CPU, WORDS, Op
+from ipmlang.runtime.gpu.elements import OWN, Elements
+from ipmlang.runtime.gpu.isa import LONG, NONE, ON_CPU, WORDS, Op
+from ipmlang.runtime.gpu.registers import Names, Room
 from ipmlang.runtime.gpu.sampling import Sample
 from ipmlang.runtime.gpu.unsupported import UnsupportedError
-from ipmlang.runtime.gpu.words import Faces, Words
+from ipmlang.runtime.gpu.words import Calls, Faces, Words
 from ipmlang.runtime.numpy_backend import is_independent
 from ipmlang.runtime.queries.marks import asked
 
+MEANING = -2  # what is written where no production is
 WHOLE = frozenset({"phase"})  # what one rule does concerns all shapes
 
 
 @dataclass(frozen=True, slots=True)
 class Reason:
     """Why the CPU derives a production: what of it the GPU has no body for. `production` is -1 for
-    the axiom, and None where it is the whole program.
+    the axiom, MEANING for an operation by itself, and None where it is the whole program.
     """
 
     production: int | None
@@ -39,7 +41,9 @@ class Encoded:
     """A program as words: `symbols` and `blocks` are where in the code their entries begin, `faces`
     the parts whose faces are listed when the geometries are known, `samples` what is fetched,
     `parameters` how many numbers beside its state a record has, `capable` the symbols that run
-    here, `extruded` where the data has the number of the box that `extrude` makes, or -1.
+    here, `extruded` where the data has the number of the box that `extrude` makes, or -1; `axiom`
+    is where its code begins, None: it is the CPU's, and `registers` how many a body needs;
+    `resumable`: bodies may be broken off.
     """
 
     code: tuple[int, ...]
@@ -51,16 +55,26 @@ class Encoded:
     parameters: int
     capable: frozenset[int]
     extruded: int
+    axiom: int | None
+    registers: int
+    resumable: bool
     reasons: tuple[Reason, ...]
 
 
+def calls_of(program: ir.Program) -> Calls:
+    """What becomes of children: calls that change the turtle where modules thread."""
+    return "none" if program.scoped or is_independent(program) else "threads"
+
+
 def encode(
-    program: ir.Program, fields: Sequence[str], attrs: int, texels: Sequence[int] = ()
-) -> Encoded:
+    program: ir.Program, fields: Sequence[str], attrs: int, texels: Sequence[int] = (),
+    calls: Calls = "none",
+) -> Encoded:  # fmt: skip
     """The bytecode of a program whose state has these fields and that has so many attributes.
-    `texels`: how many each of its contexts has, where that is known.
+    `texels`: how many each of its contexts has, where that is known; `calls`: what becomes of
+    children.
     """
-    words = Words(program, tuple(fields), attrs, texels)
+    words = Words(program, tuple(fields), attrs, texels, calls)
     whole = refused(program)
     reasons = list(whole)
     entries: list[int] = []
@@ -72,11 +86,15 @@ def encode(
         own = (symbol.productions, symbol.interpretation, symbol.meaning)
         codes = found or tuple(0 if each else NONE for each in own)
         entries += [*codes, 0 if found else ON_CPU, symbol.arity]
+    axiom = None if whole else _axiom(words, reasons)
     code, symbols, blocks, faces, samples = words.finished(entries)
     parameters = max([words.widest, *(symbol.arity for symbol in program.symbols)])
+    if words.resumable:
+        parameters = max(parameters, words.registers)
     return Encoded(
         tuple(code), tuple(words.data), symbols, blocks, faces, samples, parameters,
-        frozenset(capable), words.extrusion, tuple(dict.fromkeys(reasons)),
+        frozenset(capable), words.extrusion, axiom, words.registers, words.resumable,
+        tuple(dict.fromkeys(reasons)),
     )  # fmt: skip
 
 
@@ -85,11 +103,22 @@ def refused(program: ir.Program) -> tuple[Reason, ...]:
     reasons = []
     if asked(program) is not None:
         reasons.append(Reason(None, "query", "its rules ask about other shapes"))
-    if not program.scoped and not is_independent(program):
-        reasons.append(Reason(None, "thread", "modules follow the turtle of those before them"))
+    if program.tropism is not None:
+        reasons.append(Reason(None, "tropism", "branches bend by where they head"))
     if any(each.op in WHOLE for symbol in program.symbols for each in symbol.meaning or ()):
         reasons.append(Reason(None, "phase", "shapes wait for phases"))
     return tuple(reasons)
+
+
+def _axiom(words: Words, reasons: list[Reason]) -> int | None:
+    """The code of the start; None, and a reason, where the CPU derives it."""
+    mark = words.mark()
+    try:
+        return _body(words, -1, words.program.axiom)
+    except UnsupportedError as found:
+        words.back(mark)
+        reasons.append(Reason(-1, found.what, found.why))
+        return None
 
 
 def _symbol(words: Words, number: int, reasons: list[Reason]) -> tuple[int, int, int] | None:
@@ -116,7 +145,7 @@ def _symbol(words: Words, number: int, reasons: list[Reason]) -> tuple[int, int,
 def _meaning(words: Words, symbol: ir.Symbol, number: int) -> int:
     if not symbol.meaning:
         return NONE
-    words.production = -1
+    words.production = MEANING
     start = words.here
     room = Room(words.fields, symbol.arity)
     Elements(words, room).acts(symbol.meaning, number, OWN, Names(room.own()))
@@ -213,6 +242,6 @@ def _body(words: Words, number: int, production: ir.Production) -> int:
     room = Room(words.fields, production.parameters)
     Elements(words, room).production(production.body)
     words.put(Op.END)
-    if (words.here - start) // WORDS > LONGEST:
-        raise UnsupportedError("length", f"its body has more than {LONGEST:,} instructions")
+    if (words.here - start) // WORDS > LONG:
+        words.resumable = True
     return start

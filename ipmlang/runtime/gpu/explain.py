@@ -29,10 +29,11 @@ class Reason:
 
 
 def reasons(program: ir.Program) -> list[Reason]:
-    """A reason for each alternative that the CPU derives; the start, which it always begins, has
-    none.
+    """A reason for each alternative that the CPU derives; the start, which it begins where shapes
+    expand independently, has none there.
     """
-    encoded = encode.encode(program, tuple(fields(program)), len(program.attrs))
+    calls = encode.calls_of(program)
+    encoded = encode.encode(program, tuple(fields(program)), len(program.attrs), calls=calls)
     found = [each for reason in encoded.reasons for each in _told(program, reason)]
     return list(dict.fromkeys(found))
 
@@ -40,6 +41,9 @@ def reasons(program: ir.Program) -> list[Reason]:
 def _told(program: ir.Program, reason: encode.Reason) -> Iterator[Reason]:
     if reason.production is None:
         yield Reason("", reason.what, 0, reason.why)
+        return
+    if reason.production == -1 and encode.calls_of(program) == "threads":
+        yield Reason("start", reason.what, program.axiom.line, reason.why, program.axiom.path)
         return
     if reason.production < 0:  # an operation by itself: the rules that use it have their own reason
         return

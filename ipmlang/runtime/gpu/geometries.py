@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ipmlang.compiler import ir
 from ipmlang.runtime.gpu.words import Faces
 from ipmlang.runtime.scopes.pieces import faces_taken
 from ipmlang.runtime.scopes.pool import BOX, Pool
@@ -31,6 +32,7 @@ class Geometries:
         self._pool = pool
         self._cut = cut
         self._rows: dict[int, list[float]] = {}
+        self._taken: dict[tuple[tuple[ir.Const, ...], int], Floats] = {}
 
     def describe(self, numbers: Iterable[int]) -> bool:
         """Add geometries, and all that follow from them; whether there were new ones."""
@@ -57,14 +59,22 @@ class Geometries:
         """What a part takes (n * 4, FACE_WIDTH) of each geometry: whole, then flat in x, y, z."""
         made = np.zeros((max(self._rows) + 1, 4, FACE_WIDTH))
         for number in self._rows:
-            for flat in range(4):
-                taken, geometry = faces_taken(self._pool, part.selectors, number * 4 + flat)[
-                    part.place
-                ]
-                made[number, flat, 0] = len(taken)
-                made[number, flat, 1 : 1 + len(taken)] = taken
-                made[number, flat, 7 : 7 + len(taken)] = geometry
+            key = (part.selectors, number)
+            if key not in self._taken:
+                self._taken[key] = self._all_taken(*key)
+            made[number] = self._taken[key][:, part.place]
         return made.reshape(-1, FACE_WIDTH)
+
+    def _all_taken(self, selectors: tuple[ir.Const, ...], number: int) -> Floats:
+        """The same of one geometry (4, parts, FACE_WIDTH)."""
+        made = np.zeros((4, len(selectors), FACE_WIDTH))
+        for flat in range(4):
+            found = faces_taken(self._pool, selectors, number * 4 + flat)
+            for place, (faces, geometry) in enumerate(found):
+                made[flat, place, 0] = len(faces)
+                made[flat, place, 1 : 1 + len(faces)] = faces
+                made[flat, place, 7 : 7 + len(faces)] = geometry
+        return made
 
     def _described(self, number: int) -> list[float]:
         if not bool(self._pool.are_tagged(float(number))):

@@ -26,7 +26,7 @@ class Op(IntEnum):
     COPY = 2  # out = a
     CALL = 3  # out = function z of (a, b, c)
     PICK = 4  # out = one of the n registers listed at z, by the uniform a
-    KEY = 5  # key = child of the shape's key at site z
+    KEY = 5  # key = child of the shape's key at site z, or that key; n: it may be broken off here
     MIX = 6  # key = its child at the copy number in a
     UNIFORM = 7  # out = the draw of that key
     ROW = 8  # out = data[z + a], a at most w - 1
@@ -148,8 +148,7 @@ RESUME = 0x80000000
 HIDDEN = 0x20000000  # of a resumed entry: nothing is made
 FINAL = 0x40000000  # the generation of what only its meaning is left of
 ON_CPU = 1  # flags of an entry: the CPU derives it
-BUDGET = 8000  # instructions until a loop is broken off and resumed by another thread
-LONGEST = 12000  # instructions of a body; longer ones are the CPU's
+LONG = 500  # instructions of a body that may have to be broken off
 REGISTERS = 256
 
 
@@ -160,6 +159,6 @@ def macros() -> str:
     for table in (Header, Terminal, Entry, Count):
         lines += [f"#define {table.__name__.upper()}_{each.name} {each.value}u" for each in table]
     for name in ("HEADER", "TERMINAL", "ENTRY", "NONE", "BLOCK", "RESUME", "FINAL",
-                 "HIDDEN", "ON_CPU", "BUDGET"):  # fmt: skip
+                 "HIDDEN", "ON_CPU"):  # fmt: skip
         lines.append(f"#define {name} {globals()[name]}u")
     return "\n".join(lines) + "\n"

@@ -32,7 +32,9 @@ GROWTH = 1.3  # room beyond what was needed last time
 SOURCES = (
     "state.glsl", "frames.glsl", "scopes.glsl", "sampling.glsl", "making.glsl", "vm.glsl",
 )  # fmt: skip
-QUEUE, NEXT, TERMINALS, RETURNED, COUNTS, OFFSETS = range(2, 8)  # bindings after code and data
+BUDGET = 200_000  # instructions until a thread leaves off, and another dispatch goes on
+BUDGET_SOFTWARE = 1_500  # the same where an invocation ends silently after 65,535 turns of all its
+# loops, and every instruction takes a turn in each of those that it does not enter
 
 
 class TroubleError(Exception):
@@ -133,18 +135,21 @@ class _Waiting:
 
 
 class Machine:
-    """One program on one card."""
+    """One program on one card. `per_seed`: a child is a call, and not a record of a queue."""
+
+    per_seed = False
 
     def __init__(
         self, device: Device, layout: Layout, code: Words, data: Floats, notes: int
     ) -> None:
-        self._device = device
-        self._layout = layout
-        self._shader = device.compile(source(), "vm")
+        self.device = device
+        self.layout = layout
+        self._shader = device.compile(source(per_seed=self.per_seed), "vm")
+        self._budget = BUDGET_SOFTWARE if device.is_software else BUDGET
         self._code = device.buffer(code.tobytes())
         self._data = device.buffer(data.tobytes())
         self._counts = device.buffer((Count.NOTES + notes) * 4)
-        self._notes = notes
+        self.notes = notes
         self._ratio = 2.0  # records that a thread makes, as far as is known
         self._spare: list[Rows] = []
 
@@ -161,11 +166,11 @@ class Machine:
 
         Raises TroubleError, and IpmError where the card fails or is too small.
         """
-        made = Made([], [], Tree(), 0, 0, np.zeros(self._notes, np.uint32))
-        first = self._rows(self._layout.record, roots.shape[1])
+        made = Made([], [], Tree(), 0, 0, np.zeros(self.notes, np.uint32))
+        first = self.rows(self.layout.record, roots.shape[1])
         first.storage.write(roots)
         first.count = first.room = roots.shape[1]
-        counts = np.zeros(Count.NOTES + self._notes, np.uint32)
+        counts = np.zeros(Count.NOTES + self.notes, np.uint32)
         waiting = [_Waiting(first, 0, 0, copies)]
         numbered = first.count
         if ordered:
@@ -200,11 +205,11 @@ class Machine:
         """Run so many copies of what waits, or fewer where they make too much: what they made, the
         counts after them, and how many they were.
         """
-        layout = self._layout
-        rows = self._rows(layout.record, int(many * self._ratio * GROWTH))
+        layout = self.layout
+        rows = self.rows(layout.record, int(many * self._ratio * GROWTH))
         while True:
-            terminals = self._table(made.terminals, layout.terminal, many)
-            returned = self._table(made.returned, layout.record, 0)
+            terminals = self.table(made.terminals, layout.terminal, many)
+            returned = self.table(made.returned, layout.record, 0)
             rows.count = 0
             counts = self._dispatch(each, many, rows, terminals, returned, before)
             needed = int(counts[Count.RECORDS])
@@ -221,15 +226,15 @@ class Machine:
                     halved = True
             if halved:
                 if many == 1:
-                    raise self._device.too_large(needed * layout.record * 4)
+                    raise self.device.too_large(needed * layout.record * 4)
                 many = max(many // 2, 1)
             if needed > rows.room and not halved:
                 rows.storage.release()
-                rows = self._rows(layout.record, int(needed * 1.05) + 1)
+                rows = self.rows(layout.record, int(needed * 1.05) + 1)
             if terminals in full:
-                self._table(made.terminals, layout.terminal, int(counts[Count.TERMINALS]), new=True)
+                self.table(made.terminals, layout.terminal, int(counts[Count.TERMINALS]), new=True)
             if returned in full:
-                self._table(made.returned, layout.record, int(counts[Count.RETURNED]), new=True)
+                self.table(made.returned, layout.record, int(counts[Count.RETURNED]), new=True)
         self._ratio = max(0.7 * self._ratio, needed / many)
         rows.count = needed
         terminals.count += int(counts[Count.TERMINALS])
@@ -239,34 +244,37 @@ class Machine:
     def _dispatch(
         self, each: _Waiting, many: int, rows: Rows, terminals: Rows, returned: Rows, before: Words
     ) -> Words:
-        """One run of the shader; the counts after it."""
-        counts = before.copy()
-        counts[: Count.SHAPES] = 0
-        counts[Count.STOPPED] = isa.NONE
-        self._counts.write(counts)
+        """One pass; the counts after it."""
         whole = each.copies == each.rows.count
         if not whole and each.offsets is None:
             begins = np.cumsum(each.rows.words(Header.COUNT), dtype=np.uint64)
             offsets = np.concatenate([[0], begins[:-1]]).astype(np.uint32)
-            each.offsets = self._device.buffer(offsets.tobytes())
+            each.offsets = self.device.buffer(offsets.tobytes())
         uniforms = {
-            **self._layout.uniforms,
             "records": each.rows.count, "queue_rows": each.rows.room, "next_rows": rows.room,
             "terminal_first": terminals.count, "terminal_rows": terminals.room,
             "returned_first": returned.count, "returned_rows": returned.room,
             "first_record": each.first, "first_thread": each.begin, "threads": many,
             "whole": int(whole),
         }  # fmt: skip
-        for name, value in uniforms.items():
+        tables = (each.rows.storage, rows.storage, terminals.storage, returned.storage)
+        return self.dispatch(uniforms, tables, each.offsets or self._counts, many, before)
+
+    def dispatch(
+        self, uniforms: Mapping[str, int], tables: tuple[Storage, ...], last: Storage, many: int,
+        before: Words,
+    ) -> Words:  # fmt: skip
+        """Run the shader once with so many threads; the counts after it."""
+        counts = before.copy()
+        counts[: Count.SHAPES] = 0
+        counts[Count.STOPPED] = isa.NONE
+        self._counts.write(counts)
+        for name, value in {**self.layout.uniforms, **uniforms, "budget": self._budget}.items():
             if name in self._shader:
                 self._shader[name] = value
-        bound = (
-            self._code, self._data, each.rows.storage, rows.storage, terminals.storage,
-            returned.storage, self._counts, each.offsets or self._counts,
-        )  # fmt: skip
-        for binding, storage in enumerate(bound):
+        for binding, storage in enumerate((self._code, self._data, *tables, self._counts, last)):
             storage.bind(binding)
-        self._device.dispatch(self._shader, -(-many // GROUP), "vm")
+        self.device.dispatch(self._shader, -(-many // GROUP), "vm")
         counts = self._counts.array(np.uint32)
         if counts[Count.TROUBLE]:
             raise TroubleError(int(counts[Count.TROUBLE]), int(counts[Count.STOPPED]))
@@ -280,17 +288,17 @@ class Machine:
 
     def _most(self, width: int) -> int:
         """The most rows that a table can have room for."""
-        return self._device.limits.block_bytes // (4 * width)
+        return self.device.limits.block_bytes // (4 * width)
 
-    def _rows(self, width: int, room: int) -> Rows:
+    def rows(self, width: int, room: int) -> Rows:
         """A queue, one that was used before if there is a large one."""
         room = min(max(room, FEWEST), self._most(width))
         for place, rows in enumerate(self._spare):
             if rows.width == width and room <= rows.room <= 4 * room:
                 return self._spare.pop(place)
-        return Rows(self._device.buffer(width * room * 4), width, room)
+        return Rows(self.device.buffer(width * room * 4), width, room)
 
-    def _table(self, tables: list[Rows], width: int, room: int, *, new: bool = False) -> Rows:
+    def table(self, tables: list[Rows], width: int, room: int, *, new: bool = False) -> Rows:
         """The table that is filled now, a new one with room for so many rows where that is asked
         for, or where there is none.
         """
@@ -300,7 +308,7 @@ class Machine:
             tables.pop().storage.release()
         seen = sum(rows.count for rows in tables)
         room = min(max(int(room * 1.05), seen // 2, FEWEST), self._most(width))
-        tables.append(Rows(self._device.buffer(width * room * 4), width, room))
+        tables.append(Rows(self.device.buffer(width * room * 4), width, room))
         return tables[-1]
 
     def _done(self, each: _Waiting) -> None:
@@ -313,11 +321,12 @@ class Machine:
             self._spare.pop(0).storage.release()
 
 
-def source() -> str:
+def source(*, per_seed: bool = False) -> str:
     """The text of the shader."""
     folder = files(__package__)
     texts = [(folder / name).read_text(encoding="utf-8") for name in SOURCES]
-    head = f"#version 430\n#define GROUP {GROUP}\n#define REGISTERS {isa.REGISTERS}\n"
+    kind = "#define PER_SEED\n" if per_seed else ""
+    head = f"#version 430\n{kind}#define GROUP {GROUP}\n#define REGISTERS {isa.REGISTERS}\n"
     return "".join([
         head, isa.macros(), f"#define CHOICE_SITE {CHOICE_SITE}u\n", functions.source(), *texts,
     ])  # fmt: skip

@@ -38,15 +38,16 @@ void append(uint entry, uint generation, uvec2 its_key, uint its_rule, uint many
     }
 }
 
-void draw(int asset, uint symbol, uint kind, dvec3 given) {
-    if (!shown) return;
+// Draw a terminal; false where the table is full.
+bool draw(int asset, uint symbol, uint kind, dvec3 given) {
+    if (!shown) return true;
     dvec3 size = dvec3(0.0lf);
     if (kind == 1u) size = given;
     if (asset == -3 && slot_geometry != NONE) {
         size = dvec3(r[slot_size], r[slot_size + 1u], r[slot_size + 2u]);
         if (r[slot_geometry] == 0.0lf) {
             atomicAdd(counts[COUNT_NOTES + productions + 1u + symbol], 1u);
-            return;
+            return true;
         }
     }
     bool sound = is_finite(size.x) && is_finite(size.y) && is_finite(size.z);
@@ -54,11 +55,11 @@ void draw(int asset, uint symbol, uint kind, dvec3 given) {
         sound = sound && is_finite(r[field]);
     if (!sound || !is_finite(scale_factor())) {
         trouble(TROUBLE_NOT_FINITE);
-        return;
+        return true;
     }
     uint row = terminal_first + atomicAdd(counts[COUNT_TERMINALS], 1u);
+    if (row >= terminal_rows) return false;
     uint number = sequence++;
-    if (row >= terminal_rows) return;
     terminals[TERMINAL_PARENT * terminal_rows + row] = node;
     terminals[TERMINAL_COPY * terminal_rows + row] = copy_number;
     terminals[TERMINAL_SEQUENCE * terminal_rows + row] = number;
@@ -77,6 +78,7 @@ void draw(int asset, uint symbol, uint kind, dvec3 given) {
         terminals[(TERMINAL + 6u + 2u * field) * terminal_rows + row] = words.x;
         terminals[(TERMINAL + 6u + 2u * field + 1u) * terminal_rows + row] = words.y;
     }
+    return true;
 }
 
 // A child: nothing can come of a barren symbol, which is counted all the same.

@@ -11,7 +11,11 @@ layout(std430, binding = 3) buffer Next { uint next[]; };
 layout(std430, binding = 4) buffer Terminals { uint terminals[]; };
 layout(std430, binding = 5) buffer Returned { uint returned[]; };
 layout(std430, binding = 6) buffer Counts { uint counts[]; };
+#ifdef PER_SEED
+layout(std430, binding = 7) buffer Stack { uint stack[]; };
+#else
 layout(std430, binding = 7) readonly buffer Offsets { uint offsets[]; };
+#endif
 
 uniform uint records;         // in the queue
 uniform uint queue_rows;      // for which there is room, in each table
@@ -37,7 +41,18 @@ uniform uint slot_scale;      // registers of fields that may not be there; NONE
 uniform uint slot_size;
 uniform uint slot_geometry;
 uniform uint mirrors;
-double r[REGISTERS];
+uniform uint budget;          // instructions that a thread may run at once
+uniform uint resumable;       // 1: it may leave off before any key is made
+#ifdef PER_SEED
+uniform uint stack_slots;     // frames that each thread has room for, and one more
+uniform uint frame_words;
+uniform uint registers;       // that a frame keeps, those of the state left out
+uniform uint forks;           // 1: what a child does to the state ends with it
+uniform uint resuming;        // 1: threads go on where they stopped
+#endif
+
+#define MOST_ARGUMENTS 64u
+double r[REGISTERS + 64];     // the last ones are for arguments on their way
 uvec2 own_key;    // of the shape
 uvec2 key;        // under construction
 uint rule;        // the production that is applied, NONE: the axiom

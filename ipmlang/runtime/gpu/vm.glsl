@@ -15,16 +15,6 @@ void share(uint alternative, double part) {
     if (taken == NONE && drawn < total) taken = alternative;
 }
 
-// No production takes a shape: it stays as it is, with a key of its own, or is an error.
-void none_taken(uint symbol) {
-    if (steps == NONE && following < FINAL) {
-        trouble(TROUBLE_NO_PRODUCTION);
-        return;
-    }
-    uint parameters = code[symbols + symbol * ENTRY + ENTRY_ARITY];
-    make(symbol, mixed(own_key, CHOICE_SITE), NONE, NONE, state_size, parameters);
-}
-
 // Where the code of a symbol's shape begins, and the generation of what it makes.
 uint entered(uint symbol, uint its_generation) {
     uint entry = symbols + symbol * ENTRY;
@@ -48,7 +38,130 @@ uint entered(uint symbol, uint its_generation) {
     return code[entry + ENTRY_MEANING];
 }
 
-uint spent;  // instructions so far
+uint spent;     // instructions so far, and words that were moved
+bool complete;  // the thread came to an end: some drivers break loops off without a word
+
+#ifdef PER_SEED
+
+// A thread's part of the stack, word by word beside those of the others: how many frames there are
+// (NONE: it is done), how much it has made, its state, then frames: where to go on, the rule, the
+// generation of what it makes, both keys, whether anything is made, registers, and, where children
+// fork, the state.
+
+uint thread_number;
+uint depth;
+
+void keep(uint word, uint value) { stack[word * threads + thread_number] = value; }
+
+uint kept(uint word) { return stack[word * threads + thread_number]; }
+
+void keep_number(uint word, double value) {
+    uvec2 words = unpackDouble2x32(value);
+    keep(word, words.x);
+    keep(word + 1u, words.y);
+}
+
+double kept_number(uint word) { return packDouble2x32(uvec2(kept(word), kept(word + 1u))); }
+
+void push(uint at) {
+    uint frame = 2u + 2u * state_size + depth * frame_words;
+    keep(frame, at);
+    keep(frame + 1u, rule);
+    keep(frame + 2u, following);
+    keep(frame + 3u, own_key.x);
+    keep(frame + 4u, own_key.y);
+    keep(frame + 5u, key.x);
+    keep(frame + 6u, key.y);
+    keep(frame + 7u, shown ? 1u : 0u);
+    for (uint place = 0u; place < registers; place++)
+        keep_number(frame + 8u + 2u * place, r[state_size + place]);
+    if (forks != 0u)
+        for (uint field = 0u; field < state_size; field++)
+            keep_number(frame + 8u + 2u * (registers + field), r[field]);
+    depth++;
+    spent += registers + state_size;
+}
+
+uint pop(bool with_state) {
+    depth--;
+    uint frame = 2u + 2u * state_size + depth * frame_words;
+    rule = kept(frame + 1u);
+    following = kept(frame + 2u);
+    own_key = uvec2(kept(frame + 3u), kept(frame + 4u));
+    key = uvec2(kept(frame + 5u), kept(frame + 6u));
+    shown = kept(frame + 7u) != 0u;
+    for (uint place = 0u; place < registers; place++)
+        r[state_size + place] = kept_number(frame + 8u + 2u * place);
+    if (with_state)
+        for (uint field = 0u; field < state_size; field++)
+            r[field] = kept_number(frame + 8u + 2u * (registers + field));
+    spent += registers + state_size;
+    return kept(frame);
+}
+
+// Leave off before the instruction at a place; another dispatch goes on there.
+void leave_off(uint at) {
+    push(at);
+    keep(0u, depth);
+    keep(1u, sequence);
+    for (uint field = 0u; field < state_size; field++) keep_number(2u + 2u * field, r[field]);
+    atomicAdd(counts[COUNT_RECORDS], 1u);
+    complete = true;
+}
+
+uint resume() {
+    depth = kept(0u);
+    sequence = kept(1u);
+    uint at = pop(false);
+    for (uint field = 0u; field < state_size; field++) r[field] = kept_number(2u + 2u * field);
+    return at;
+}
+
+// Where the code of a child goes on; its arguments are on their way.
+uint called(uint symbol, uvec2 its_key, uint parameters) {
+    bool sound = true;
+    own_key = its_key;
+    for (uint place = 0u; place < parameters; place++) {
+        r[state_size + place] = r[REGISTERS + place];
+        sound = sound && is_finite(r[state_size + place]);
+    }
+    if (!sound) trouble(TROUBLE_NOT_FINITE);
+    spent += parameters;
+    return entered(symbol, following);
+}
+
+#else
+
+// Leave off before the instruction at a place; another thread goes on there.
+void leave_off(uint at) {
+    append(RESUME | (shown ? 0u : HIDDEN) | at, following, own_key, rule, 1u, NONE, state_size,
+           param_size, false);
+    complete = true;
+}
+
+#endif
+
+// No production takes a shape: it stays as it is, with a key of its own, or is an error. Where its
+// code goes on; NONE: it ends here.
+uint none_taken(uint symbol) {
+    if (steps == NONE && following < FINAL) {
+        trouble(TROUBLE_NO_PRODUCTION);
+        return NONE;
+    }
+    uint parameters = code[symbols + symbol * ENTRY + ENTRY_ARITY];
+    uvec2 its_key = mixed(own_key, CHOICE_SITE);
+#ifdef PER_SEED
+    atomicAdd(counts[COUNT_SHAPES], 1u);
+    rule = NONE;
+    if (!worth_making(symbol)) return NONE;
+    for (uint place = 0u; place < parameters; place++)
+        r[REGISTERS + place] = r[state_size + place];
+    return called(symbol, its_key, parameters);
+#else
+    make(symbol, its_key, NONE, NONE, state_size, parameters);
+    return NONE;
+#endif
+}
 
 void run(uint at) {
     for (;;) {
@@ -58,7 +171,16 @@ void run(uint at) {
         at += 4u;
         spent++;
         switch (word & 255u) {
-        case OP_END: return;
+        case OP_END:
+#ifdef PER_SEED
+            if (depth > 0u) {
+                at = pop(forks != 0u);
+                break;
+            }
+            keep(0u, NONE);
+#endif
+            complete = true;
+            return;
         case OP_LOAD: r[target] = data[z]; break;
         case OP_COPY: r[target] = r[a]; break;
         case OP_CALL: {
@@ -74,7 +196,13 @@ void run(uint at) {
             r[target] = r[code[z + place]];
             break;
         }
-        case OP_KEY: key = z == NONE ? own_key : mixed(own_key, z); break;
+        case OP_KEY:
+            if (n != 0u && spent > budget && resumable != 0u) {
+                leave_off(at - 4u);
+                return;
+            }
+            key = z == NONE ? own_key : mixed(own_key, z);
+            break;
         case OP_MIX: key = mixed(key, to_word(r[a])); break;
         case OP_UNIFORM: r[target] = draw_of(key); break;
         case OP_ROW:
@@ -93,8 +221,34 @@ void run(uint at) {
         case OP_SLAB: if (!slab(z, r[a], r[b])) at = w; break;
         case OP_ZERO: if (r[a] == 0.0lf) at = z; break;
         case OP_SHOW: shown = r[a] != 0.0lf; break;
-        case OP_EMIT: draw(int(z), w, n, dvec3(r[a], r[b], r[c])); break;
-        case OP_CHILD: if (shown) make(z, key, rule, w, 0u, n); break;
+        case OP_EMIT: {
+            bool drawn_here = draw(int(z), w, n, dvec3(r[a], r[b], r[c]));
+#ifdef PER_SEED
+            if (!drawn_here) {
+                leave_off(at - 4u);
+                return;
+            }
+#endif
+            break;
+        }
+        case OP_CHILD:
+            if (!shown) break;
+#ifdef PER_SEED
+            if (depth >= stack_slots) atomicMax(counts[COUNT_COPIES], 1u);
+            if (depth >= stack_slots) {
+                leave_off(at - 4u);
+                return;
+            }
+            atomicAdd(counts[COUNT_SHAPES], 1u);
+            if (!worth_making(z)) break;
+            for (uint place = 0u; place < n; place++) r[REGISTERS + place] = r[code[w + place]];
+            if (d == 0u) push(at);
+            at = called(z, key, n);
+            if (at == NONE) at = 0u;  // where an END stands
+#else
+            make(z, key, rule, w, 0u, n);
+#endif
+            break;
         case OP_RANGE:
             if (shown && r[a] > 0.0lf)
                 append(BLOCK | z, following, own_key, rule, uint(r[a]), w, 0u, n, false);
@@ -104,9 +258,8 @@ void run(uint at) {
             r[a] += 1.0lf;
             if (r[a] < r[b]) {
                 at = z;
-                if (n == 0u && spent > BUDGET) {
-                    append(RESUME | (shown ? 0u : HIDDEN) | at, following, own_key, rule, 1u,
-                           NONE, state_size, param_size, false);
+                if (n == 0u && spent > budget) {
+                    leave_off(at);
                     return;
                 }
             }
@@ -128,7 +281,16 @@ void run(uint at) {
         case OP_CHOOSE:
             if (total > 1.0lf + 1e-9lf) trouble(TROUBLE_SHARES);
             if (taken == NONE) {
-                none_taken(w);
+                at = none_taken(w);
+#ifdef PER_SEED
+                if (at != NONE) break;
+                if (depth > 0u) {
+                    at = pop(forks != 0u);
+                    break;
+                }
+                keep(0u, NONE);
+#endif
+                complete = true;
                 return;
             }
             at = code[z + 2u * taken];
@@ -148,6 +310,7 @@ double queued(uint record, uint word) {
                                 queue[(word + 1u) * queue_rows + record]));
 }
 
+#ifndef PER_SEED
 // The record that a thread runs a copy of: the last one whose copies begin at it or before.
 uint record_of(uint thread) {
     uint low = 0u, high = records;
@@ -158,13 +321,25 @@ uint record_of(uint thread) {
     }
     return low;
 }
+#endif
 
 void main() {
     uint number = gl_GlobalInvocationID.x;
     if (number >= threads) return;
     uint thread = first_thread + number;
+#ifdef PER_SEED
+    uint record = thread;
+    copy_number = 0u;
+    thread_number = number;
+    depth = 0u;
+    if (resuming != 0u && kept(0u) == NONE) {
+        atomicAdd(counts[COUNT_ENDED], 1u);
+        return;
+    }
+#else
     uint record = whole != 0u ? thread : record_of(thread);
     copy_number = whole != 0u ? 0u : thread - offsets[record];
+#endif
     uint entry = queue[HEADER_ENTRY * queue_rows + record];
     generation = queue[HEADER_GENERATION * queue_rows + record];
     own_key = uvec2(queue[HEADER_KEY0 * queue_rows + record],
@@ -173,11 +348,17 @@ void main() {
     node = first_record + record;
     sequence = 0u;
     spent = 0u;
+    complete = false;
     shown = true;
     given_up = false;
     for (uint place = 0u; place < state_size + param_size; place++)
         r[place] = queued(record, HEADER + 2u * place);
     uint at;
+#ifdef PER_SEED
+    if (resuming != 0u) {
+        at = resume();
+    } else
+#endif
     if ((entry & RESUME) != 0u) {
         following = generation;
         shown = (entry & HIDDEN) == 0u;
@@ -196,6 +377,10 @@ void main() {
         at = entered(entry, generation);
         if (!sound) trouble(TROUBLE_NOT_FINITE);
     }
-    if (at != NONE && !given_up) run(at);
-    atomicAdd(counts[COUNT_ENDED], 1u);
+#ifdef PER_SEED
+    if (at == NONE) keep(0u, NONE);
+#endif
+    if (at == NONE) complete = true;
+    else if (!given_up) run(at);
+    if (complete) atomicAdd(counts[COUNT_ENDED], 1u);
 }

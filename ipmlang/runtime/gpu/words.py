@@ -9,7 +9,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterable, MutableSequence, Sequence
 from dataclasses import dataclass, replace
-from typing import cast
+from typing import Literal, cast
 
 from ipmlang.compiler import ir
 from ipmlang.runtime.gpu.isa import Op
@@ -17,6 +17,8 @@ from ipmlang.runtime.gpu.sampling import MOST, Sample
 from ipmlang.runtime.gpu.unsupported import UnsupportedError
 
 Mark = tuple[int, ...]
+Calls = Literal["none", "forks", "threads"]
+"""What becomes of a child: a record, a call that leaves the state alone, a call that changes it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,13 +36,21 @@ class Words:
     """What is written so far. `production` is the one that is being written, -1 the axiom."""
 
     def __init__(
-        self, program: ir.Program, fields: tuple[str, ...], attrs: int, texels: Sequence[int] = ()
+        self,
+        program: ir.Program,
+        fields: tuple[str, ...],
+        attrs: int,
+        texels: Sequence[int] = (),
+        calls: Calls = "none",
     ) -> None:
         self.program = program
+        self.calls = calls
         self.fields = fields
         self.production = -1
         self.data: list[float] = [0.0] * attrs
         self.widest = 0  # numbers that a record must carry beside its state
+        self.registers = 0  # that some body needs beside the state
+        self.resumable = False  # whether a body may be broken off
         self.extrusion = -1
         self._code: list[int] = []
         self._lists: list[int] = []
@@ -51,6 +61,7 @@ class Words:
         self._texels = texels  # of each context, where they are known
         self._constants: dict[bytes, int] = {}
         self._columns: dict[tuple[int, int], int] = {}
+        self.put(Op.END)  # at 0, where calls return that have nothing to do
 
     # --------------------------------------------------------------------------- code
 
@@ -92,9 +103,9 @@ class Words:
         at = self.put(Op.PICK, out=out, a=uniform, n=len(values), z=self._listed(values))
         self._relative.append(at + 2)
 
-    def child(self, symbol: int, args: Sequence[int]) -> None:
-        """Append a child of a symbol."""
-        at = self.put(Op.CHILD, n=len(args), z=symbol, w=self._listed(args))
+    def child(self, symbol: int, args: Sequence[int], *, last: bool) -> None:
+        """Append a child of a symbol; `last`: nothing comes after it that the body needs."""
+        at = self.put(Op.CHILD, d=last, n=len(args), z=symbol, w=self._listed(args))
         self._relative.append(at + 3)
 
     def copies(self, count: int, given: Sequence[int]) -> tuple[int, int]:

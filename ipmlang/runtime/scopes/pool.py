@@ -191,6 +191,9 @@ class Pool:
         """The number of a box, or of a rectangle, whose faces bear tags."""
         if not any(tags):
             return BOX
+        found = self._numbers.get(("box", tags))
+        if found is not None:
+            return found
         made = unit_box() if len(tags) == 6 else unit_square()
         return self._number(("box", tags), replace(made, tags=tags), SCOPE, box=True)
 

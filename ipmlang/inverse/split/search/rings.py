@@ -16,7 +16,6 @@ from ipmlang.inverse.frames import (
     Frames,
     Integers,
     compose,
-    from_matrices,
     inverse,
     matrices,
 )
