@@ -38,6 +38,7 @@ from ipmlang.inverse.split.parts_file import PartsFile, parts_name, write_parts
 from ipmlang.inverse.split.placing import Precision
 from ipmlang.inverse.split.printing.grammar import print_scheme
 from ipmlang.inverse.split.proof import prove
+from ipmlang.inverse.split.rows import risen
 from ipmlang.inverse.split.scheme import Scheme, Terminal
 from ipmlang.inverse.split.search.assembly import flat
 
@@ -112,6 +113,7 @@ def _searched(goal: _Goal, plain: Scheme, options: Options) -> Iterator[Scheme]:
     from ipmlang.inverse.split.search.shortest import schemes
 
     for found in schemes(parts, goal.limit * parts.diagonal):
+        found = risen(found)
         if _shorter(goal, found, plain, small):
             split = as_splits(found, small)
             if split is not found:

@@ -6,25 +6,21 @@ An edit is a text with what comes instead; the counts of tokens are checked, too
 
 from __future__ import annotations
 
-import difflib
-import re
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 import pytest
+from edit.holding import pieces, token_changes
 
 from ipmlang import edit
 from ipmlang.compiler.diagnostics import IpmError
-from ipmlang.edit.buildings.contacts import neighbours
 from ipmlang.edit.buildings.soundness import came_apart
 from ipmlang.edit.buildings.tree import Tree, grown
 from ipmlang.edit.buildings.units import tolerance
 
 ROOT = Path(__file__).parents[2]
 OWN = Path(__file__).parent / "buildings"
-TOKEN = re.compile(r'"[^"]*"|[A-Za-z_][\w.]*|\d+\.?\d*|\S')
 MOST_TOKENS, LEAST_GOOD = 3, 18
 
 
@@ -73,26 +69,6 @@ def changed(text: str, wanted: Edit) -> str:
         assert text.count(before) == 1, f"{before!r} in {wanted.file}"
         text = text.replace(before, after)
     return text
-
-
-def token_changes(before: str, after: str) -> int:
-    one, other = TOKEN.findall(before), TOKEN.findall(after)
-    if len(one) == len(other):
-        return sum(a != b for a, b in zip(one, other, strict=True))
-    found = difflib.SequenceMatcher(None, one, other, autojunk=False).get_opcodes()
-    return sum(max(b - a, d - c) for kind, a, b, c, d in found if kind != "equal")
-
-
-def pieces(tree: Tree, near: float) -> int:
-    """Into how many parts that do not touch a building falls."""
-    from scipy import sparse
-    from scipy.sparse.csgraph import connected_components
-
-    low, high = tree.boxes(np.eye(3))
-    pairs = neighbours(low, high, near)
-    count = len(low)
-    graph = sparse.coo_matrix((np.ones(len(pairs)), pairs.T), (count, count))
-    return int(connected_components(graph, directed=False)[0])
 
 
 _grown: dict[str, Tree] = {}

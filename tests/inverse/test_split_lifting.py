@@ -13,7 +13,7 @@ from ipmlang.inverse.split.facades.splitting import as_splits
 from ipmlang.inverse.split.parts_file import parts_name, write_parts
 from ipmlang.inverse.split.placing import Precision
 from ipmlang.inverse.split.printing.grammar import print_scheme
-from ipmlang.inverse.split.printing.lifting import counted
+from ipmlang.inverse.split.printing.lifting import counted, repeated
 from ipmlang.inverse.split.proof import derived
 from ipmlang.inverse.split.scheme import Scheme, Terminal
 
@@ -73,7 +73,7 @@ def test_one_number_makes_more_floors_and_bays(
 
 def test_counts_are_those_of_free_scopes() -> None:
     scheme = as_splits(listed(front(5, 3).parts()), SMALL)
-    found = {each.axis: each for each in counted(scheme)}
+    found = {each.axis: each for each in counted(repeated(scheme))}
     assert {axis: each.count for axis, each in found.items()} == {0: 5, 2: 3}
     for axis, each in found.items():
         size = scheme.symbols[each.root].size[axis]

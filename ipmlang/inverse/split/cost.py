@@ -25,6 +25,7 @@ from ipmlang.inverse.split.scheme import (
     Split,
     Terminal,
 )
+from ipmlang.inverse.split.turning import first_around
 
 SMALL = 1e-9  # what is printed as nothing at all, in degrees or as a ratio
 HEAD = 2  # `Name -->`
@@ -117,8 +118,9 @@ def _ring_tokens(ring: Ring, small: float) -> int:
     upright = float(ring.axis[2]) > 1 - SMALL
     center = float(np.abs(ring.center).max()) > small
     outer = 2 * (center or not upright) + VECTOR * center + (VECTOR + 1) * (not upright)
-    placed = int(placement_tokens(ring.first, small)[0])
-    inner = VECTOR + 2 + AROUND + max(placed - AROUND, 0) + (VECTOR + 1) * (not upright)
+    outer += int(_negative(ring.center, small))
+    placed = int(placement_tokens(first_around(ring), small)[0])
+    inner = VECTOR + 2 + AROUND + max(placed - AROUND, 0)
     rise = VECTOR + 2 if abs(ring.rise) > small else 0
     growth = VECTOR + 2 if abs(ring.growth - 1) > SMALL else 0
     holes = EXCEPT + len(ring.holes) if ring.holes else 0

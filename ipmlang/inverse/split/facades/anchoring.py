@@ -11,11 +11,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ipmlang.inverse.frames import Floats, around, identity
 from ipmlang.inverse.split.changing import on_symbols
 from ipmlang.inverse.split.expansion import placements
-from ipmlang.inverse.split.following import changing_axes, in_other_scopes, repeated_ranges
+from ipmlang.inverse.split.growing import follows, growing, in_other_scopes
 from ipmlang.inverse.split.measuring import extents
 from ipmlang.inverse.split.scheme import Item, Octant, Place, Rule, Scheme, Split, Symbol
 
@@ -24,16 +25,17 @@ def anchored(scheme: Scheme, small: float) -> Scheme:
     """The scheme with what stands beyond cells that repeat anchored to the end; small: units by
     which it may reach back.
     """
-    changing, boxes, ranges = changing_axes(scheme), extents(scheme), repeated_ranges(scheme)
+    grows, boxes = growing(scheme), extents(scheme)
     elsewhere = in_other_scopes(scheme)
     made: list[Symbol] = []
     numbers: dict[int, int] = {}
     for number, symbol in enumerate(scheme.symbols):
         if isinstance(symbol, Rule):
             items = [on_symbols(item, numbers) for item in symbol.items]
-            if changing[number].any() and number not in elsewhere:
-                end = ranges[number][1]
-                known = changing[number] & np.isfinite(end)
+            axes = grows.axes[number] & (~grows.counted[number] | _followed(symbol))
+            if axes.any() and number not in elsewhere:
+                end = grows.ranges[number][1]
+                known = axes & np.isfinite(end)
                 limit = np.where(known, end - small, np.inf)
                 beyond = [_beyond(item, boxes, limit) for item in symbol.items]
                 items = list(_anchored(made, symbol, items, beyond))
@@ -41,6 +43,11 @@ def anchored(scheme: Scheme, small: float) -> Scheme:
         numbers[number] = len(made)
         made.append(symbol)
     return replace(scheme, symbols=tuple(made))
+
+
+def _followed(rule: Rule) -> NDArray[np.bool_]:
+    """(3,) the axes along which something in a rule follows its scope already."""
+    return np.array([any(follows(item, axis) for item in rule.items) for axis in range(3)])
 
 
 def _beyond(item: Item, boxes: Floats, limit: Floats) -> frozenset[int]:

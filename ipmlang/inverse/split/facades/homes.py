@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from ipmlang.inverse.frames import Frames, around, compose, inverse
-from ipmlang.inverse.split.cost import item_tokens, placement_tokens
+from ipmlang.inverse.split.cost import item_tokens, placement_tokens, scheme_tokens
 from ipmlang.inverse.split.scheme import (
     Array,
     Item,
@@ -25,6 +25,7 @@ from ipmlang.inverse.split.scheme import (
     Symbol,
     Terminal,
 )
+from ipmlang.inverse.split.turning import first_around, in_axes, tidy
 
 TRIED = 8  # copies of a terminal that it may be moved to
 
@@ -34,6 +35,15 @@ def at_home(scheme: Scheme, small: float) -> tuple[Scheme, dict[int, Frames]]:
     its own coordinates, one row: for printing, as `expand` knows nothing of homes. small: units
     that are printed as nothing.
     """
+    best = _at_home(scheme, small)
+    for way in in_axes(scheme):
+        found = _at_home(way, small)
+        if scheme_tokens(found[0], small) < scheme_tokens(best[0], small):
+            best = found
+    return best
+
+
+def _at_home(scheme: Scheme, small: float) -> tuple[Scheme, dict[int, Frames]]:
     homes: dict[int, Frames] = {}
     items = _free_items(scheme)
     for number, own in items.items():
@@ -74,7 +84,8 @@ def _filling(item: Item) -> list[int]:
 def _home(items: list[Place | Array | Ring], small: float) -> Frames | None:
     """Where the terminal of these items is best at home; None: where it is."""
     singly = [item.frames for item in items if isinstance(item, Place)]
-    candidates = [frames[row : row + 1] for frames in singly for row in range(len(frames))]
+    candidates = [first_around(item) for item in items if isinstance(item, Ring)]
+    candidates += [frames[row : row + 1] for frames in singly for row in range(len(frames))]
     costly = [each for each in candidates if int(placement_tokens(each, small)[0]) > 1]
     best, least = None, sum(item_tokens(item, small) for item in items)
     for home in costly[:TRIED]:
@@ -90,15 +101,8 @@ def _seen_from(item: Place | Array | Ring, home: Frames) -> Place | Array | Ring
     """The item for a terminal that was moved."""
     back = inverse(home)
     if isinstance(item, Place):
-        return replace(item, frames=_tidy(compose(item.frames, back)))
-    return replace(item, first=_tidy(compose(item.first, back)))
-
-
-def _tidy(frames: Frames) -> Frames:
-    """Without what is left over of numbers that cancel."""
-    rotation = np.where(np.abs(frames.rotation) < 1e-12, 0.0, frames.rotation)
-    position = np.where(np.abs(frames.position) < 1e-12, 0.0, frames.position)
-    return replace(frames, rotation=rotation, position=position)
+        return replace(item, frames=tidy(compose(item.frames, back)))
+    return replace(item, first=tidy(compose(item.first, back)))
 
 
 def _moved(symbol: Symbol, number: int, homes: dict[int, Frames]) -> Symbol:

@@ -19,14 +19,16 @@ from ipmlang.inverse.split.expansion import expand
 from ipmlang.inverse.split.facades.anchoring import anchored
 from ipmlang.inverse.split.facades.building import Building, bonus, is_cut, repeats
 from ipmlang.inverse.split.facades.contents import Contents, Kinds, contents
+from ipmlang.inverse.split.facades.following import following
 from ipmlang.inverse.split.facades.guillotine import runs, side_by_side
 from ipmlang.inverse.split.facades.homes import at_home
 from ipmlang.inverse.split.facades.matching import matched
-from ipmlang.inverse.split.following import following
+from ipmlang.inverse.split.growing import with_scopes
 from ipmlang.inverse.split.measuring import extents
 from ipmlang.inverse.split.scheme import Array, Item, Place, Ring, Rule, Scheme, Symbol, Terminal
 
-FOLLOWING = 3  # share of all tokens that may be spent on walls which follow their scope
+FOLLOWING = 0.4  # of all tokens may be spent on walls which follow their scope
+LEAST = 36  # tokens that may be spent on them in any grammar
 DEEPEST = 2  # times that the rules within a rule are opened before it is cut
 MOST = 2500  # rows of a rule that is cut
 NAMES = {0: "Bay", 1: "Row", 2: "Floor"}  # of cells that repeat along an axis, for a person
@@ -39,15 +41,24 @@ def as_splits(scheme: Scheme, small: float) -> Scheme:
     rules = [symbol for symbol in scheme.symbols if isinstance(symbol, Rule)]
     if not all(copies(rule.items) for rule in rules):
         return scheme
-    found = _named(_Rewriting(scheme, small).scheme())
-    if not any(is_cut(symbol) for symbol in found.symbols):
+    cut, saved = _cut(scheme, small)
+    most = saved + max(int(scheme_tokens(cut, small) * FOLLOWING), LEAST)
+    scoped = with_scopes(cut)
+    found = following(scoped, small, most)
+    if cut is scheme and found is scoped:
         return scheme
-    saved = _score(scheme, small) - _score(found, small)
-    if saved <= 0:
-        return scheme
-    found = following(found, small, saved + scheme_tokens(found, small) // FOLLOWING)
     found = anchored(found, small)
     return found if matched(expand(found), expand(scheme), 5 * small) else scheme
+
+
+def _cut(scheme: Scheme, small: float) -> tuple[Scheme, int]:
+    """The scheme with splits, and the tokens that they save; as it is where they save none."""
+    found = _named(_Rewriting(scheme, small).scheme())
+    if any(is_cut(symbol) for symbol in found.symbols):
+        saved = _score(scheme, small) - _score(found, small)
+        if saved > 0:
+            return found, saved
+    return scheme, 0
 
 
 def _score(scheme: Scheme, small: float) -> int:

@@ -17,17 +17,13 @@ import numpy as np
 from ipmlang.compiler import ast
 from ipmlang.inverse.frames import (
     Floats,
-    Frames,
-    compose,
-    from_matrices,
-    identity,
-    moved_to,
 )
 from ipmlang.inverse.naming import Names
 from ipmlang.inverse.numbers import shortest
 from ipmlang.inverse.split.placing import Precision, Spot, placed, spots, steps_to
 from ipmlang.inverse.split.printing.tables import cheapest
 from ipmlang.inverse.split.scheme import Array, Item, Octant, Place, Ring, Scheme, Split, Terminal
+from ipmlang.inverse.split.turning import axis_frame, first_around
 from ipmlang.inverse.split.wording import (
     NOTHING,
     Vector,
@@ -239,9 +235,7 @@ def _digit(passed: int, count: int, last: bool) -> ast.Expr:
 
 def _ring(wording: Wording, ring: Ring, key: tuple[int, int]) -> ast.Element:
     """`[translate(center) rotate(to the axis) repeat(i < n) { [rotate(0, 0, a * i) first] }]`."""
-    upright = _upright(ring.axis)
-    to_axis = compose(moved_to(ring.center[None]), upright)
-    first = compose(_inverse(to_axis), ring.first)
+    to_axis, first = axis_frame(ring), first_around(ring)
     reach = float(wording.reach[ring.symbol])
     around = reach + float(np.linalg.norm(first.position))
     outer = spots(to_axis, wording.precision, around * max(1.0, ring.growth**ring.count))[0]
@@ -270,7 +264,7 @@ def _turning(
     if not is_nothing(rise):
         steps.append(call("translate", NOTHING, NOTHING, times(rise, index)))
     named = wording.counts.get((*key, 0))
-    if named is not None and abs(abs(ring.angle) * ring.count - 360) <= 1e-6:
+    if named is not None and not ring.rise and abs(abs(ring.angle) * ring.count - 360) <= 1e-6:
         full = ast.Number(math.copysign(360.0, ring.angle))
         turn: ast.Expr = ast.Binary("*", ast.Binary("/", full, named), index)
     else:
@@ -280,27 +274,6 @@ def _turning(
         growth = ast.Number(shortest(ring.growth, wording.precision.ratio(around) * share))
         steps.append(call("*", ast.Call("pow", (ast.Argument(growth), ast.Argument(index)))))
     return steps
-
-
-def _upright(axis: Floats) -> Frames:
-    """The shortest turn that takes z to the axis."""
-    from scipy.spatial.transform import Rotation
-
-    if axis[2] > 1 - 1e-12:
-        return identity()
-    side = np.cross([0.0, 0, 1], axis)
-    length = float(np.linalg.norm(side))
-    if length < 1e-9:
-        side, length = np.array([1.0, 0, 0]), 1.0
-    angle = math.atan2(float(np.linalg.norm(np.cross([0.0, 0, 1], axis))), float(axis[2]))
-    matrix = Rotation.from_rotvec(side / length * angle).as_matrix()
-    return from_matrices(np.concatenate([matrix, np.zeros((3, 1))], axis=1)[None])
-
-
-def _inverse(frames: Frames) -> Frames:
-    from ipmlang.inverse.frames import inverse
-
-    return inverse(frames)
 
 
 # ----------------------------------------------------------------- splits and octants
