@@ -30,16 +30,31 @@ TRIED = 6  # occurrences whose own way of standing the body may take
 
 
 def laid(field: Field, grown: Grown, limits: Limits) -> Motif | None:
-    """The motif with exact places; None if fewer than two occurrences are exact."""
-    draft = field.draft
+    """The motif with exact places; None if fewer than two occurrences are exact.
+
+    The body is the first occurrence, or another one that more of them are equal to.
+    """
+    draft, rows = field.draft, grown.rows
     target = _targets(draft, field.points, grown)
-    motion = plain(fitted(field.points[grown.rows[0]].reshape(-1, 3), target, grown.motion))
-    places = _rounded(from_matrices(motion), limits)
-    exact = _errors(draft, field.points, grown.rows, places) <= limits.error
-    if exact.sum() < 2 or not exact[0]:
+    best: tuple[Integers, Frames] | None = None
+    for index in range(min(TRIED, len(rows))):
+        near = grown.motion if index == 0 else _from(grown.motion, index)
+        body = target[index].reshape(-1, 4, 3)
+        places = _rounded(from_matrices(plain(fitted(target[index], target, near))), limits)
+        exact = np.nonzero(_errors(draft, body, rows, places) <= limits.error)[0]
+        if best is None or len(exact) > len(best[0]):
+            best = exact, compose(places[exact], inverse(places[exact[:1]]))
+        if len(exact) == len(rows):
+            break
+    if best is None or len(best[0]) < 2:
         return None
-    rows, places = grown.rows[exact], places[exact]
-    return _turned(draft, rows, places, limits)
+    return _turned(draft, rows[best[0]], best[1], limits)
+
+
+def _from(motion: Floats, index: int) -> Floats:
+    """The motions (k, 3, 4) from occurrence `index` instead of the first."""
+    frames = from_matrices(motion)
+    return matrices(compose(frames, inverse(frames[index : index + 1])))
 
 
 def fitted(source: Floats, target: Floats, near: Floats) -> Floats:
@@ -89,13 +104,13 @@ def _targets(draft: Draft, points: Floats, grown: Grown) -> Floats:
     return np.concatenate(found, axis=1)
 
 
-def _errors(draft: Draft, points: Floats, rows: Integers, places: Frames) -> Floats:
-    """(k,) the largest distance of a probe from where the places put it."""
+def _errors(draft: Draft, body: Floats, rows: Integers, places: Frames) -> Floats:
+    """(k,) the largest distance of a probe of the body (m, 4, 3) from where the places put it."""
     worst = np.zeros(len(rows))
     motion = matrices(places)
-    for column in rows.T:
+    for points, column in zip(body, rows.T, strict=True):
         shape = draft.figures[draft.symbol[column[0]]]
-        wanted = np.einsum("kij,pj->kpi", motion[:, :, :3], points[column[0]])
+        wanted = np.einsum("kij,pj->kpi", motion[:, :, :3], points)
         wanted += motion[:, None, :, 3]
         worst = np.maximum(worst, misses(shape, wanted, draft.frames[column])[0])
     return worst

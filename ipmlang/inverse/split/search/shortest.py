@@ -38,7 +38,7 @@ from ipmlang.inverse.split.search.wholes import wholes
 from ipmlang.inverse.split.snapping import Flags
 
 PROVEN = 1e-6  # share of the diagonal that anything may be off
-SHARES = (0.5, 0.2, 0.05)  # of that, what a placement may be off, in turn
+SHARES = (0.8, 0.5, 0.2, 0.05)  # of that, what a placement may be off, in turn
 HOPE = 1.3  # times the bound that a scheme seems off, which a proof may still find to be within
 NOTHING = 0.1  # of that, what is printed as nothing
 LEAST = 2.0  # tokens that a rule has to save
