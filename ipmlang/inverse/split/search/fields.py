@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ipmlang.inverse.frames import Floats, Frames, Integers, linear
+from ipmlang.inverse.frames import Floats, Integers, matrices
 from ipmlang.inverse.split.search.drafts import Draft, boxes, points
 from ipmlang.inverse.split.snapping import Flags, members
 
@@ -25,13 +25,14 @@ SAME = 4  # rows that may share a center
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Field:
-    """points: (n, 4, 3) probes; spots: (n, 4) centers and what must be equal, for the tree;
-    begin (n + 1,), near: the neighbours of row i are near[begin[i]:begin[i + 1]]; images: of all
+    """points: (n, 4, 3) probes; matrix: (n, 3, 4) of each row; tree: of centers and what must be
+    equal, that `apart`; begin (n + 1,), near: the neighbours of row i are near[begin[i]:begin[i + 1]]; images: of all
     figures that have as many, `round` says how many each has and `number` which are its own.
     """
 
     draft: Draft
     points: Floats
+    matrix: Floats
     tree: cKDTree
     apart: float
     begin: Integers
@@ -44,7 +45,10 @@ class Field:
         """Rows near to any of these, in order, these left out."""
         count = self.begin[rows + 1] - self.begin[rows]
         first = np.repeat(self.begin[rows] - np.cumsum(count) + count, count)
-        return np.setdiff1d(self.near[first + np.arange(len(first))], rows)
+        near = np.zeros(len(self.draft), np.bool_)
+        near[self.near[first + np.arange(len(first))]] = True
+        near[rows] = False
+        return np.nonzero(near)[0]
 
 
 def field_of(draft: Draft) -> Field:
@@ -57,7 +61,8 @@ def field_of(draft: Draft) -> Field:
     key = draft.body * len(draft.figures) + draft.symbol
     tree = cKDTree(np.concatenate([placed[:, 0], apart * key[:, None]], axis=1))
     begin, near = _neighbours(draft, placed[:, 0], apart)
-    return Field(draft, placed, tree, apart, begin, near, *_images(draft))
+    matrix = matrices(draft.frames)
+    return Field(draft, placed, matrix, tree, apart, begin, near, *_images(draft))
 
 
 def look_up(
@@ -67,14 +72,42 @@ def look_up(
     found = np.full(len(wanted), -1, np.int64)
     if len(wanted) == 0:
         return found
-    key = body * len(field.draft.figures) + symbol
-    spots = np.concatenate([wanted[:, 0], field.apart * key[:, None]], axis=1)
-    near = np.asarray(field.tree.query(spots, k=SAME, distance_upper_bound=error)[1])
-    ask, rank = np.nonzero(near < len(field.draft))
-    row = near[ask, rank]
+    ask, row = _near(field, wanted[:, 0], body * len(field.draft.figures) + symbol, error)
     good = agree(field, row, wanted[ask], error)
     found[ask[good][::-1]] = row[good][::-1]  # the nearest is written last
     return found
+
+
+def look_up_moved(
+    field: Field, rows: Integers, motion: Floats, body: Integers, error: float
+) -> Integers:
+    """(x, a) the rows that stand where motions (a, 3, 4), each into a body (a,), take rows (x,), -1
+    where none does.
+    """
+    count, ways = len(rows), len(motion)
+    found = np.full(count * ways, -1, np.int64)
+    if found.size == 0:
+        return found.reshape(count, ways)
+    turn, move = motion[:, :, :3], motion[:, :, 3]
+    center = field.points[rows, 0] @ turn.reshape(-1, 3).T + move.reshape(-1)
+    symbol = field.draft.symbol[rows]
+    key = body[None] * len(field.draft.figures) + symbol[:, None]
+    ask, row = _near(field, center.reshape(-1, 3), key.reshape(-1), error)
+    way = ask % ways
+    wanted = field.points[rows[ask // ways]] @ turn[way].transpose(0, 2, 1) + move[way, None]
+    good = agree(field, row, wanted, error)
+    found[ask[good][::-1]] = row[good][::-1]
+    return found.reshape(count, ways)
+
+
+def _near(
+    field: Field, center: Floats, key: Integers, error: float
+) -> tuple[Integers, Integers]:
+    """Which of p centers have a row of their key close by, and which row: the nearest first."""
+    spots = np.concatenate([center, field.apart * key[:, None]], axis=1)
+    near = np.asarray(field.tree.query(spots, k=SAME, distance_upper_bound=error)[1])
+    ask, rank = np.nonzero(near < len(field.draft))
+    return ask, near[ask, rank]
 
 
 def agree(field: Field, rows: Integers, wanted: Floats, error: float) -> Flags:
@@ -85,14 +118,14 @@ def agree(field: Field, rows: Integers, wanted: Floats, error: float) -> Flags:
     for each, images in field.images.items():
         own = np.nonzero(many == each)[0]
         if len(own):
-            frames = field.draft.frames[rows[own]]
-            good[own] = _off(images, number[own], wanted[own], frames) <= error
+            matrix = field.matrix[rows[own]]
+            good[own] = _off(images, number[own], wanted[own], matrix) <= error
     return good
 
 
-def _off(images: Floats, number: Integers, wanted: Floats, frames: Frames) -> Floats:
-    """(n,) how far probes at (n, 4, 3) are from those of frames; images: (f, s, 4, 3) of symbols,
-    of which row i is that of `number[i]`.
+def _off(images: Floats, number: Integers, wanted: Floats, matrix: Floats) -> Floats:
+    """(n,) how far probes at (n, 4, 3) are from those of frames, as matrices (n, 3, 4); images:
+    (f, s, 4, 3) of symbols, of which row i is that of `number[i]`.
     """
     count, many = len(number), images.shape[1]
     step = max(1, 200_000 // many)
@@ -100,8 +133,8 @@ def _off(images: Floats, number: Integers, wanted: Floats, frames: Frames) -> Fl
     for begin in range(0, count, step):
         rows = slice(begin, begin + step)
         inner = images[number[rows]].reshape(-1, 4 * many, 3)
-        outer = inner @ linear(frames[rows]).transpose(0, 2, 1)
-        away = outer.reshape(-1, many, 4, 3) + frames.position[rows, None, None]
+        outer = inner @ matrix[rows, :, :3].transpose(0, 2, 1)
+        away = outer.reshape(-1, many, 4, 3) + matrix[rows, None, None, :, 3]
         away -= wanted[rows, None]
         found.append(np.einsum("nskj,nskj->nsk", away, away).max(axis=2).min(axis=1))
     return np.asarray(np.sqrt(np.concatenate(found)))

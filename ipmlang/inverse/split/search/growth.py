@@ -7,12 +7,12 @@ up, so that one seed gives a chain from small motifs used often to large ones us
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from ipmlang.inverse.frames import Floats, Integers
-from ipmlang.inverse.split.search.fields import Field, look_up
+from ipmlang.inverse.split.search.fields import Field, look_up_moved
 from ipmlang.inverse.split.search.seeds import Seed
 from ipmlang.inverse.split.snapping import Flags
 
@@ -28,90 +28,112 @@ class Grown:
     motion: Floats
 
 
-@dataclass(slots=True, eq=False)
 class _Growth:
-    """What a growing motif is: hits (x, a) says where motion a takes row known[x]; joined says
-    which of these belong.
+    """What a growing motif is: hits (x, a) says where motion a, to occurrence of[a], takes row
+    known[x]; joined says which of these belong, taken (n + 1,) which rows they and their images
+    are.
     """
 
-    around: Field
-    error: float
-    of: Integers
-    motion: Floats
-    home: Integers
-    known: Integers = field(default_factory=lambda: np.zeros(0, np.int64))
-    hits: Integers = field(default_factory=lambda: np.zeros((0, 0), np.int64))
-    joined: list[int] = field(default_factory=list)
-    work: int = 0
+    def __init__(self, around: Field, seed: Seed, error: float) -> None:
+        count = len(around.draft)
+        self._around = around
+        self._error = error
+        self._motion = seed.motion
+        self._home = around.draft.body[seed.pairs[:, 0]]
+        self._place = np.full(count, -1, np.int64)  # of a row in what is known
+        self._fresh: list[int] = []
+        self._of = seed.of
+        self._first = _firsts(seed.of)
+        self.known = np.zeros(0, np.int64)
+        self._hits = np.zeros((0, len(seed.of)), np.int64)
+        self.joined: list[int] = []
+        self._taken = np.zeros(count + 1, np.bool_)
+        self._taken[-1] = True
+        self.work = 0
 
     def meet(self, rows: Integers) -> None:
         """Look where the motions take rows that were not asked about before."""
-        new = np.setdiff1d(rows, self.known)
-        count, ways = len(new), len(self.of)
-        wanted = np.einsum("aij,xkj->xaki", self.motion[:, :, :3], self.around.points[new])
-        wanted = (wanted + self.motion[None, :, None, :, 3]).reshape(-1, 4, 3)
-        symbol = np.repeat(self.around.draft.symbol[new], ways)
-        body = np.tile(self.home[self.of], count)
-        found = look_up(self.around, wanted, symbol, body, self.error).reshape(count, ways)
+        new = rows[self._place[rows] < 0]
+        body = self._home[self._of]
+        found = look_up_moved(self._around, new, self._motion, body, self._error)
+        self._place[new] = len(self.known) + np.arange(len(new))
         self.known = np.concatenate([self.known, new])
-        self.hits = np.concatenate([self.hits.reshape(-1, ways), found])
-        self.work += count * ways
+        self._hits = np.concatenate([self._hits, found])
+        self.work += found.size
 
-    def first_ways(self) -> Integers:
-        """(k,) the first motion to each occurrence."""
-        return np.searchsorted(self.of, np.arange(self.of[-1] + 1))
+    def look_around(self) -> None:
+        """Meet what is near to all that joined since this was asked last."""
+        self.meet(self._around.around(self.known[self._fresh]))
+        self._fresh = []
+
+    def place(self, row: int) -> int:
+        """Where a row is in what is known."""
+        return int(self._place[row])
 
     def rows(self) -> Integers:
         """(k, m) the rows of all occurrences."""
-        return self.hits[self.joined][:, self.first_ways()].T
+        return self._hits[self.joined][:, self._first].T
 
     def support(self) -> Flags:
         """(x, k) whether known row x could join occurrence k, in some way."""
-        used = np.zeros(len(self.around.draft) + 1, np.bool_)
-        used[self.rows().ravel()] = True
-        used[-1] = True
-        free = ~used[self.hits] & ~used[self.known][:, None]
-        free &= (self.hits != self.known[:, None]) | (self.of == 0)[None]
-        return np.logical_or.reduceat(free, self.first_ways(), axis=1)
+        free = ~self._taken[self._hits] & ~self._taken[self.known][:, None]
+        free &= (self._hits != self.known[:, None]) | (self._of == 0)[None]
+        return np.logical_or.reduceat(free, self._first, axis=1)
 
     def join(self, index: int) -> bool:
         """Take known row `index` in, unless two occurrences would have to share."""
-        taken = np.zeros(len(self.around.draft) + 1, np.bool_)
-        taken[-1] = True
-        if self.joined:
-            taken[self.rows()] = True
-        fits = ~taken[self.hits[index]]
-        kept = self.of[fits]
-        if len(np.unique(kept)) < self.of[-1] + 1:
+        hits = self._hits[index]
+        fits = ~self._taken[hits]
+        whole = bool(fits.all())
+        targets = hits[self._first] if whole else self._targets(hits, fits)
+        if targets is None or len(set(targets.tolist())) < len(targets):
             return False
-        targets = self.hits[index][fits][np.searchsorted(kept, np.arange(self.of[-1] + 1))]
-        if len(np.unique(targets)) < len(targets):
-            return False
-        self._keep(fits)
         self.joined.append(index)
+        self._fresh.append(index)
+        if whole:
+            self._taken[targets] = True
+        else:
+            self._keep(fits)
         return True
 
+    def _targets(self, hits: Integers, fits: Flags) -> Integers | None:
+        """(k,) the first that fits for each occurrence, None where one has none."""
+        kept = self._of[fits]
+        first = _firsts(kept)
+        return hits[fits][first] if len(first) == len(self._first) else None
+
     def _keep(self, ways: Flags) -> None:
-        self.of, self.motion, self.hits = self.of[ways], self.motion[ways], self.hits[:, ways]
+        self._of, self._motion = self._of[ways], self._motion[ways]
+        self._hits = self._hits[:, ways]
+        self._first = _firsts(self._of)
+        self._taken[:-1] = False
+        self._taken[self.rows()] = True
 
     def give_up(self, lacking: Flags) -> None:
         """Go on without these occurrences."""
-        self._keep(~lacking[self.of])
+        self._keep(~lacking[self._of])
         number = np.cumsum(~lacking) - 1
-        self.home, self.of = self.home[~lacking], number[self.of]
+        self._home, self._of = self._home[~lacking], number[self._of]
 
     def grown(self) -> Grown:
         """What there is now."""
-        return Grown(self.rows(), self.motion[self.first_ways()])
+        return Grown(self.rows(), self._motion[self._first])
+
+
+def _firsts(numbers: Integers) -> Integers:
+    """Where each number stands first, in numbers that are sorted."""
+    new = np.ones(len(numbers), np.bool_)
+    new[1:] = numbers[1:] != numbers[:-1]
+    return np.nonzero(new)[0]
 
 
 def grow(field: Field, seed: Seed, error: float) -> tuple[list[Grown], int]:
     """The chain of motifs from one seed, and the work it took in lookups."""
-    growth = _Growth(field, error, seed.of, seed.motion, field.draft.body[seed.pairs[:, 0]])
+    growth = _Growth(field, seed, error)
     growth.meet(seed.pairs[0])
     chain: list[Grown] = []
     for row in seed.pairs[0].tolist():
-        growth.join(int(np.nonzero(growth.known == row)[0][0]))
+        growth.join(growth.place(row))
     if len(growth.joined) < 2:
         return [], growth.work
     for _ in range(LONGEST):
@@ -131,7 +153,7 @@ def grow(field: Field, seed: Seed, error: float) -> tuple[list[Grown], int]:
 def _saturate(growth: _Growth) -> None:
     """Let everything join that all occurrences have."""
     while len(growth.joined) < LARGEST:
-        growth.meet(growth.around.around(growth.known[growth.joined]))
+        growth.look_around()
         full = np.nonzero(growth.support().all(axis=1))[0]
         if not [index for index in full.tolist() if growth.join(index)]:
             return

@@ -45,7 +45,7 @@ LEAST = 2.0  # tokens that a rule has to save
 TRIED = 10  # candidates of a round that are priced exactly
 ROUNDS = 60
 SEEDS = 100  # kinds of pairs that are grown before what grew is priced
-BATCHES = 1  # how often in a round, where nothing pays
+BATCHES = 3  # how often in a round, where nothing pays
 WORK, EACH = 250_000, 120  # lookups, and more of them for each part
 
 
