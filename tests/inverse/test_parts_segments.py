@@ -32,6 +32,22 @@ def test_boxes_that_touch_are_bricks() -> None:
     assert any(note.code == "segmented" for note in parts.notes)
 
 
+@pytest.mark.parametrize("tilt", [0.0, 0.4])
+def test_welded_boxes_are_solids_again(tilt: float) -> None:
+    """Six walls of a row that lie in each other with whole faces, and six above them that touch
+    along edges: welded by position, no edge tells by itself which faces are one box.
+    """
+    places = [at(3.0 * i, 0.4 * k, 3.0 * k) for i in range(6) for k in range(2)]
+    mesh = merged([moved(box(3.0, 0.4, 3.0), place) for place in places])
+    points, same = np.unique(mesh.vertices.round(9), axis=0, return_inverse=True)
+    cosine, sine = np.cos(tilt), np.sin(tilt)
+    turn = np.array([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]])
+    turn = turn @ np.array([[1, 0, 0], [0, cosine, -sine], [0, sine, cosine]])
+    corners = same.reshape(-1)[mesh.corners]
+    parts = parts_of(soup_of([replace(mesh, vertices=points @ turn.T, corners=corners)]), EXACT)
+    assert (len(parts.shape), len(parts.classes)) == (12, 1)
+
+
 def test_flat_panels_of_a_wall() -> None:
     """Quads side by side in one plane, each with its own vertices."""
     panel = solids.polygons([[0, 0, 0], [2, 0, 0], [2, 0, 3], [0, 0, 3]], [[0, 1, 2, 3]])

@@ -1,5 +1,6 @@
-"""Ways to cut what hangs together: where the file's own vertices part, where more than two faces
-meet, along creases that fold in or out, and along planes that no face crosses.
+"""Ways to cut what hangs together: where the file's own vertices part, into the solids that faces
+bound, where more than two faces meet, along creases that fold in or out, and along planes that no
+face crosses.
 
 Takes faces of one or more parts; each way gives every face the label of the piece it would belong
 to, in batches over all faces. Whether a cut is worth it is decided elsewhere; nothing is cut here.
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from ipmlang.formats.mesh_types import Mesh
 from ipmlang.inverse.frames import Floats, Integers
+from ipmlang.inverse.parts.facing import facing
 from ipmlang.inverse.parts.invariants import mixed
 from ipmlang.inverse.parts.mending import area_vectors
 from ipmlang.inverse.parts.pieces import neighbours, sums
@@ -33,7 +35,8 @@ Truths: TypeAlias = NDArray[np.bool_]
 class Sheet:
     """Faces with what cuts ask of them. part (f,); pairs (p, 2) of faces of one part that alone
     share an edge; bend (p,): 0 where they go on smoothly, 1 where the edge stands out, -1 where it
-    lies in; flat (p,): whether they lie in one plane.
+    lies in; flat (p,): whether they lie in one plane; facing (q, 2): pairs of faces at edges of
+    more than two that look at each other through the solid that they bound.
     """
 
     mesh: Mesh
@@ -41,6 +44,7 @@ class Sheet:
     pairs: Integers
     bend: Integers
     flat: Truths
+    facing: Integers
     diagonal: float
 
 
@@ -58,10 +62,15 @@ def sheet_of(mesh: Mesh, same: Integers, part: Integers, diagonal: float) -> She
     order = np.argsort(edge, kind="stable")
     edge = edge[order]
     starts = np.flatnonzero(np.concatenate([[True], edge[1:] != edge[:-1]]))
-    two = starts[np.diff(np.append(starts, len(order))) == 2]
+    count = np.diff(np.append(starts, len(order)))
+    two = starts[count == 2]
     first, second = order[two], order[two + 1]
     pairs = np.stack([face[first], face[second]], axis=1)
-    return Sheet(mesh, part, pairs, *_bends(mesh, pairs), diagonal)
+    crowded = np.repeat(count > 2, count)
+    forth = here <= here[after]
+    number = np.repeat(np.arange(len(count)), count)[crowded]
+    found = facing(mesh, number, order[crowded], after, forth)
+    return Sheet(mesh, part, pairs, *_bends(mesh, pairs), face[found], diagonal)
 
 
 def _bends(mesh: Mesh, pairs: Integers) -> tuple[Integers, Truths]:
@@ -97,6 +106,13 @@ def by_own_vertices(sheet: Sheet) -> Integers:
 def by_edges(sheet: Sheet) -> Integers:
     """Faces that hang together by edges of two faces: where more meet, things touch."""
     return linked(len(sheet.part), sheet.pairs)
+
+
+def by_solids(sheet: Sheet) -> Integers:
+    """Faces that bound one solid: where solids touch along edges or whole faces, each keeps its
+    own.
+    """
+    return linked(len(sheet.part), np.concatenate([sheet.pairs, sheet.facing]))
 
 
 def by_valleys(sheet: Sheet) -> Integers:

@@ -23,6 +23,7 @@ from ipmlang.inverse.parts.cutting import (
     by_own_vertices,
     by_planes,
     by_ridges,
+    by_solids,
     by_valleys,
     sheet_of,
 )
@@ -50,6 +51,7 @@ class _Trial:
 
 _TRIALS = (
     _Trial(by_own_vertices, 4.0, 0.7),
+    _Trial(by_solids, 4.0, 0.7),
     _Trial(by_edges, 4.0, 0.7),
     _Trial(by_planes, 8.0, 0.45),
     _Trial(by_valleys, 8.0, 0.8, 8.0),
