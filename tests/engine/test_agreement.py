@@ -35,6 +35,8 @@ WRITTEN = (
     "rand(", "irand(", "pick(", "gauss(", "noise(", "sqrt(", "mod(", "tiles(", "if ", "and ",
     "not ", "fn ", "const ", "table ", "attr ", "split.index", "split.count", "scope.sx",
     "on polygon", "on box", 'on "lots.obj"',
+    "tropism", "ignore", " < A", "> B", "snap(", "(snap:", "phase(", "count(", "overlaps(",
+    "fetch(",
 )  # fmt: skip
 
 

@@ -2,7 +2,7 @@
 
 Each ends, makes at most some thousand shapes, and hangs no decision on inexact numbers, so that
 every executor has to make the same of it. Families take turns: turtles in the plane and in space,
-turtles that thread, scopes, and scopes in which turtles stand.
+turtles that thread, rules with contexts, scopes, and scopes in which turtles stand.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 from pathlib import Path
 from random import Random
 
+from tests.random_grammars.contexts import Contexts
 from tests.random_grammars.scopes import Scopes
 from tests.random_grammars.turtles import Turtles
 
@@ -24,6 +25,8 @@ def grammar(number: int) -> str:
             return Turtles(draw).grammar()
         case 1:
             return Turtles(draw, space=True).grammar()
+        case 2 if number % 3 == 0:
+            return Contexts(draw).grammar()
         case 2:
             return Turtles(draw, space=draw.random() < 0.5, threads=True).grammar()
         case 3:

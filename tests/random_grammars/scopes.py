@@ -51,7 +51,7 @@ class Scopes(Writer):
             self.settable, self.values = turtles.settable, turtles.values
             self.plants = turtles.symbols
             self.lines.append('asset block = "pieces.obj"')
-        self.phased = draw.random() < 0.1
+        self.phased = draw.random() < 0.12
         count = draw.choice((1, 2, 2, 3, 4))
         for number in range(count):
             form = draw.choice(("", "flat", "box"))
@@ -81,9 +81,34 @@ class Scopes(Writer):
         step = draw.choice(("translate(2, 0.3, 0)", "rotate(0, 0, 20)", "translate(0, 1, 2)"))
         calls = [self.several(place, step) for _ in range(draw.randint(1, 3))]
         body = " ".join(f"[{each}]" for each in calls if each)
-        self.lines.append(f"Z --> {first}{body} {self.shape(place)}")
+        last = self._later() if self.phased else self.shape(place)
+        self.lines.append(f"Z --> {first}{body} {last}")
         steps = f" steps {draw.randint(2, 6)}" if draw.random() < 0.15 else ""
         self.lines.append(f"start Z on {ground}{steps}")
+
+    def _later(self) -> str:
+        """A symbol of a later phase, or one that asks what stands around it."""
+        draw = self.draw
+        if draw.random() < 0.3:
+            asked = draw.choice(
+                (
+                    'overlaps("T")',
+                    'touches("U")',
+                    "inside()",
+                    'distance("V") < 2',
+                    'overlaps("bay")',
+                )
+            )
+            self.lines.append(f"Q : {asked} --> U")
+            self.lines.append(f"Q : else --> {draw.choice(('T', 'split x { ~1: V | ~2: U }'))}")
+            return "repeat(k < 3) { [translate(k, 0.5, 0) size(2, 1, 1) cube Q] }"
+        asked = draw.choice(
+            ('count("T") > 3', 'rank("bay") == 0', 'total("cost") > 2', 'share("area", 7) > 0')
+        )
+        reach = draw.choice(("", ", reach: 0.4"))
+        self.lines.append(f"Q : {asked} --> split y {{ {{ ~1.5: T }}* | ~1: V }}")
+        self.lines.append(f'Q : else --> split x(snap: "sill"{reach}) {{ {{ ~1.3: U }}* }}')
+        return "phase(2) split y { ~1: Q | ~2: Q }"
 
     # --------------------------------------------------------------------------- bodies
 
@@ -147,6 +172,8 @@ class Scopes(Writer):
 
     def _split(self, place: Place) -> str:
         draw = self.draw
+        if "split" in self.dropped and draw.random() < 0.8:
+            return self.shape(place)
         axes = {"box": "xxyyz", "flat": "xxxyyyuv"}
         axis = draw.choice(axes.get(place.form, "xyz"))
         return f"split {axis} {{ {self._parts(place, axis)} }}"
@@ -200,10 +227,10 @@ class Scopes(Writer):
             place.settle(inner)
         return f"comp {{ {' | '.join(parts)} }}"
 
-    def _frame(self, place: Place) -> str:
+    def _frame(self, place: Place) -> str | None:
         draw = self.draw
         number = self.number(place)
-        return draw.choice(
+        return self.choice(
             (
                 f"translate({number}, {draw.choice(SIZES)}, -{draw.choice(SIZES)})",
                 f"rotate({draw.choice(('0', '20', '90'))}, 33, {number})",
@@ -233,27 +260,26 @@ class Scopes(Writer):
                 return f"extrude({self.number(place)}{along})"
             case "roof":
                 place.form = "solid"
-                roof = draw.choice(ROOFS)
-                return f"roof{roof}"
+                return self.choice([f"roof{each}" for each in ROOFS])
             case "taper":
                 place.form = "solid"
-                return f"taper({self.number(place)}{draw.choice(('', ', 0.1'))})"
+                return self.choice((f"taper({self.number(place)}{draw.choice(('', ', 0.1'))})",))
             case "inset":
-                return f"offset(-0.04 * min(scope.sx, scope.sy)) {draw.choice(('', 'innerRect'))}"
+                inner = draw.choice(("", " innerRect"))
+                return self.choice((f"offset(-0.04 * min(scope.sx, scope.sy)){inner}",))
             case "octant":
                 x, y, z = (draw.choice(("0.3 * scope.sx", "0.5")) for _ in range(3))
-                return f"octant({x}, {y}, {z}, {draw.randint(1, 8)})"
+                return self.choice((f"octant({x}, {y}, {z}, {draw.randint(1, 8)})",))
             case "quad":
                 place.form = "flat"
                 return f"size({self.number(place)}, {self.number(place)}, 0) quad"
             case _:
-                place.form = "solid"
                 sizes = ", ".join(self.number(place) for _ in range(3))
-                name = draw.choice(("cube", "cube", "cylinder(6)", "cone(5)", "sphere(6)"))
+                name = self.choice(("cube", "cube", "cylinder(6)", "cone(5)", "sphere(6)"))
                 place.form = "box" if name == "cube" else "solid"
                 return f"size({sizes}) {name}"
 
-    def _apart(self, place: Place) -> str:
+    def _apart(self, place: Place) -> str | None:
         """What takes a shape apart in other ways."""
         draw = self.draw
         cells = 2 * draw.randint(1, 3)
@@ -261,7 +287,7 @@ class Scopes(Writer):
         body = self.body(inner)
         made = f"subdivide(2, {cells // 2}, 1) [{body}]"
         if place.form == "flat":
-            made = draw.choice(
+            made = self.choice(
                 (
                     f"setback(0.1) {{ shape: {body} | border: T }}",
                     f"offset(-0.1) {{ inside: {body} | border: U }}",
@@ -270,14 +296,15 @@ class Scopes(Writer):
                     made,
                 )
             )
-        elif draw.random() < 0.3:
-            made = f"comp(edges) {{ {draw.choice(SIDES)}: size(scope.sx, 0.2, 0.2) cube T }}"
+        else:
+            edges = f"comp(edges) {{ {draw.choice(SIDES)}: size(scope.sx, 0.2, 0.2) cube T }}"
+            made = self.choice((made, edges))
         place.settle(inner)
-        return f"[{made}]"
+        return f"[{made}]" if made else None
 
-    def _pen(self, place: Place) -> str:
+    def _pen(self, place: Place) -> str | None:
         draw, values = self.draw, self.values
-        return draw.choice(
+        return self.choice(
             (
                 f"color({values.text(place.names)})",
                 'material("brick")',
@@ -287,9 +314,9 @@ class Scopes(Writer):
             )
         )
 
-    def _texture(self, place: Place) -> str:
+    def _texture(self, place: Place) -> str | None:
         draw = self.draw
-        return draw.choice(
+        return self.choice(
             (
                 'texture("brick.png")',
                 "setupProjection(xy, 2, 1) projectUV",
@@ -299,8 +326,11 @@ class Scopes(Writer):
             )
         )
 
-    def _report(self, place: Place) -> str:
-        return f'report("{self.draw.choice(("area", "cost"))}", {self.number(place)})'
+    def _report(self, place: Place) -> str | None:
+        draw = self.draw
+        if self.phased and draw.random() < 0.7:
+            return f'snap("sill", {draw.choice("xy")}{draw.choice(("", ", at: both"))})'
+        return self.choice((f'report("{draw.choice(("area", "cost"))}", {self.number(place)})',))
 
     def number(self, place: Place) -> str:
         """An expression well above 0."""

@@ -43,9 +43,13 @@ class Turtles(Writer):
     def prepare(self) -> None:
         """Settings and assets, before what reads them."""
         draw = self.draw
+        if self.scoped:
+            self.dropped = (*self.dropped, "effect")  # a rule with it is no string of its own
         if draw.random() < 0.5:
             frame = " frame abop" if self.space and draw.random() < 0.5 else ""
             self.lines.append(f"turtle angle {draw.choice((25.7, 60, 90))} step 1.5{frame}")
+        if self.space and not self.scoped and draw.random() < 0.12:
+            self.lines.append("tropism (0.1, 0, -1) 0.22")
         self.lines.append('asset leaf, star in "pieces.parts.svg"')
 
     def plant(self, count: int, budget: int) -> list[Symbol]:
@@ -116,14 +120,14 @@ class Turtles(Writer):
             body += " cut F"
         return body
 
-    def draws(self, place: Place) -> str:
+    def draws(self, place: Place) -> str | None:
         """An operation of the turtle or of its pen."""
         draw = self.draw
         kind = draw.choice(SPACE if self.space else PLANE)
         kind = "pitch" if kind == "level" and self.scoped else kind
-        if draw.random() < 0.06 and not self.scoped and place.budget > 1:
+        if draw.random() < 0.1 and not self.scoped and place.budget > 1:
             place.budget -= 1
-            return self._polygon(place)
+            return self.choice((self._polygon(place),))
         if kind in ("draw", "asset"):
             place.budget -= 1
         return getattr(self, f"_{kind}")(place)
@@ -164,8 +168,8 @@ class Turtles(Writer):
         turn = self.draw.choice(("\\", "/", "rollleft"))
         return f"{turn}({self._angle(place)})"
 
-    def _level(self, place: Place) -> str:
-        return f"&({self.draw.choice(TILTS)}) $"
+    def _level(self, place: Place) -> str | None:
+        return self.choice((f"&({self.draw.choice(TILTS)}) $",))
 
     def _grow(self, place: Place) -> str:
         return f"*({self.values.number(0.6, 1.3, place.names)})"
@@ -191,9 +195,9 @@ class Turtles(Writer):
         scale = self.draw.choice(("", ", 0.9", ", 1.25"))
         return f"at({x}, 1, 0.5, {turn}{scale})"
 
-    def _pen(self, place: Place) -> str:
+    def _pen(self, place: Place) -> str | None:
         draw, values = self.draw, self.values
-        return draw.choice(
+        return self.choice(
             (
                 f"!({values.number(0.2, 4, place.names)})",
                 f"color({values.text(place.names)})",

@@ -23,6 +23,14 @@ PARAMETERS = (
 )
 
 
+RARE = (
+    "center", "mirrorScope", "alignScope", "rotateScope", "about:", "tag(", "label(", "report(",
+    "UV", "texture(", "cylinder", "cone", "sphere", "octant", "subdivide", "setback", "offset",
+    "shapeL", "scatter", "comp(edges)", "roof", "taper", "effect", "polygon {", "$", "css(",
+    "split",
+)  # fmt: skip
+
+
 @dataclass(frozen=True, slots=True)
 class Symbol:
     """What can be called: `cost` is about how many shapes it makes, `most` the largest `n` that may
@@ -89,9 +97,17 @@ class Writer:
     symbols: list[Symbol] = field(default_factory=list)
     settable: list[str] = field(default_factory=list)
     values: Values = field(init=False)
+    dropped: tuple[str, ...] = field(init=False)
 
     def __post_init__(self) -> None:
         self.values = Values(self.draw)
+        share = self.draw.choice((0.2, 0.7, 0.95))
+        self.dropped = tuple(word for word in RARE if self.draw.random() < share)
+
+    def choice(self, options: Sequence[str]) -> str | None:
+        """One of these texts, without what this grammar goes without: some use few operations."""
+        kept = [each for each in options if not any(word in each for word in self.dropped)]
+        return self.draw.choice(kept) if kept else None
 
     # ------------------------------------------------------------------- declarations
 
@@ -119,6 +135,11 @@ class Writer:
             self._function(number)
         if draw.random() < 0.4:
             self._table()
+        if draw.random() < 0.12:
+            nearest = draw.choice(("", " nearest"))
+            self.lines.append(f'context mask = "mask.png" over (-9, -9, 18, 18){nearest}')
+            asked = f"fetch(mask, {draw.randint(-9, 9)}, 2.3, {draw.randint(0, 2)})"
+            self.names.append(Value(asked, 0, 1, exact=False))
 
     def _function(self, number: int) -> None:
         exact = self.draw.random() < 0.6
