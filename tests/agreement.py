@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields
+from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
@@ -267,21 +268,15 @@ class _Pairs:
 
     def _solid_fault(self, place: int, one: Solid, other: Solid) -> str:
         """How two solids differ; their vertices are in the unit box of a scope."""
-        for name in ("corners", "rings", "faces"):
-            if not np.array_equal(getattr(one, name), getattr(other, name)):
-                return f"the {name} of its solid differ"
-        if one.tags != other.tags:
-            return "the tags of its solid differ"
         row = int(self.rows[0][place])
         rows = self.scenes[0].instances
         size = np.max(rows.size[row]) * abs(rows.scale[row])
         allowed = self.bound.ratio + (self.bound.length / size if size > 0 else 0.0)
-        if not _close(one.vertices, other.vertices, allowed):
-            return "the vertices of its solid differ"
+        apart = _same_surface(one, other, allowed)
+        if apart:
+            return f"the {apart} of its solid differ"
         if (one.uv is None) != (other.uv is None):
             return "one of its solids has no texture coordinates"
-        if one.uv is not None and other.uv is not None and not _close(one.uv, other.uv, allowed):
-            return "the texture coordinates of its solid differ"
         return ""
 
     def groups(self) -> Iterator[str]:
@@ -353,6 +348,42 @@ def _ranked(keys: NDArray[np.uint64]) -> NDArray[np.void]:
     made["key"] = keys
     made["rank"][order] = np.arange(len(keys)) - begin
     return made
+
+
+def _same_surface(one: Solid, other: Solid, allowed: float) -> str:
+    """What differs between two solids, if anything: booleans number vertices and faces in an order
+    that hangs on last bits, so they are the same if they have the same faces with the same tags.
+    """
+    names = ("corners", "rings", "faces")
+    if one.tags == other.tags and all(
+        np.array_equal(getattr(one, name), getattr(other, name)) for name in names
+    ):
+        if not _close(one.vertices, other.vertices, allowed):
+            return "vertices"
+        both = one.uv is not None and other.uv is not None
+        return "" if not both or _close(one.uv, other.uv, allowed) else "texture coordinates"
+    known = one.vertices
+    if len(one) != len(other) or not len(known) or not len(other.vertices):
+        return "number of faces"
+    apart = np.max(np.abs(other.vertices[:, None] - known[None]), axis=2)
+    if np.max(np.min(apart, axis=1)) > allowed:
+        return "vertices"
+    return "" if _faces(one, known) == _faces(other, known) else "faces"
+
+
+def _faces(solid: Solid, known: NDArray[np.float64]) -> list[tuple[object, ...]]:
+    """Faces, in an order of their own, as rings of the numbers of the nearest known vertices."""
+    apart = np.max(np.abs(solid.vertices[:, None] - known[None]), axis=2)
+    corners = np.argmin(apart, axis=1)[solid.corners].tolist()
+    rings = []
+    for begin, end in pairwise(solid.rings.tolist()):
+        ring = corners[begin:end]
+        first = min(range(len(ring)), key=lambda place: ring[place:] + ring[:place])
+        rings.append(tuple(ring[first:] + ring[:first]))
+    return sorted(
+        (rings[begin], tuple(sorted(rings[begin + 1 : end])), tuple(sorted(tags)))
+        for (begin, end), tags in zip(pairwise(solid.faces.tolist()), solid.tags, strict=True)
+    )
 
 
 def _laid(maps: TextureMaps | None) -> TextureMaps | None:
