@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields
-from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
@@ -351,8 +350,9 @@ def _ranked(keys: NDArray[np.uint64]) -> NDArray[np.void]:
 
 
 def _same_surface(one: Solid, other: Solid, allowed: float) -> str:
-    """What differs between two solids, if anything: booleans number vertices and faces in an order
-    that hangs on last bits, so they are the same if they have the same faces with the same tags.
+    """What differs between two solids, if anything. Booleans number faces, merge those in one
+    plane, and choose whose tags they bear where two parts share a plane, as last bits have it: so
+    solids are the same, too, if they have the same tags, box, volume and area, all ways round.
     """
     names = ("corners", "rings", "faces")
     if one.tags == other.tags and all(
@@ -362,28 +362,34 @@ def _same_surface(one: Solid, other: Solid, allowed: float) -> str:
             return "vertices"
         both = one.uv is not None and other.uv is not None
         return "" if not both or _close(one.uv, other.uv, allowed) else "texture coordinates"
-    known = one.vertices
-    if len(one) != len(other) or not len(known) or not len(other.vertices):
-        return "number of faces"
-    apart = np.max(np.abs(other.vertices[:, None] - known[None]), axis=2)
-    if np.max(np.min(apart, axis=1)) > allowed:
-        return "vertices"
-    return "" if _faces(one, known) == _faces(other, known) else "faces"
+    if frozenset().union(*one.tags) != frozenset().union(*other.tags):
+        return "tags"
+    measures = _measures(one), _measures(other)
+    return "" if _close(*measures, allowed * len(one.corners)) else "surface"
 
 
-def _faces(solid: Solid, known: NDArray[np.float64]) -> list[tuple[object, ...]]:
-    """Faces, in an order of their own, as rings of the numbers of the nearest known vertices."""
-    apart = np.max(np.abs(solid.vertices[:, None] - known[None]), axis=2)
-    corners = np.argmin(apart, axis=1)[solid.corners].tolist()
-    rings = []
-    for begin, end in pairwise(solid.rings.tolist()):
-        ring = corners[begin:end]
-        first = min(range(len(ring)), key=lambda place: ring[place:] + ring[:place])
-        rings.append(tuple(ring[first:] + ring[:first]))
-    return sorted(
-        (rings[begin], tuple(sorted(rings[begin + 1 : end])), tuple(sorted(tags)))
-        for (begin, end), tags in zip(pairwise(solid.faces.tolist()), solid.tags, strict=True)
+def _measures(solid: Solid) -> NDArray[np.float64]:
+    """The box, the volume, the area and its shadows along x, y and z."""
+    normals, moments = _faces(solid)
+    return np.concatenate(
+        (
+            solid.vertices.min(axis=0),
+            solid.vertices.max(axis=0),
+            [moments.sum(), np.linalg.norm(normals, axis=1).sum()],
+            np.abs(normals).sum(axis=0),
+        )
     )
+
+
+def _faces(solid: Solid) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The vector area of each face, and what it adds to the volume."""
+    following = np.arange(1, len(solid.corners) + 1)
+    following[solid.rings[1:] - 1] = solid.rings[:-1]
+    corners = solid.vertices[solid.corners]
+    crossed = np.cross(corners, corners[following]) / 2
+    begins = solid.rings[solid.faces[:-1]]
+    normals = np.add.reduceat(crossed, begins, axis=0)
+    return normals, np.sum(normals * corners[begins], axis=1) / 3
 
 
 def _laid(maps: TextureMaps | None) -> TextureMaps | None:

@@ -229,6 +229,20 @@ def test_what_rows_point_at_is_compared() -> None:
     assert disagreements(replace(house, notes=("something",)), house)
 
 
+def test_a_solid_is_the_same_however_its_faces_are_numbered() -> None:
+    house = scene_of(HOUSE)
+    (roof,) = (each for each in house.solids if len(each) == 5)
+    order = np.roll(np.arange(len(roof.vertices)), 2)
+    numbered = replace(roof, vertices=roof.vertices[np.argsort(order)], corners=order[roof.corners])
+    solids = [numbered if each is roof else each for each in house.solids]
+    assert disagreements(house, replace(house, solids=tuple(solids))) == []
+    pulled = replace(numbered, vertices=numbered.vertices + 1e-6)
+    turned = replace(numbered, corners=numbered.corners[::-1])
+    for other in (pulled, turned):
+        solids = [other if each is roof else each for each in house.solids]
+        assert disagreements(house, replace(house, solids=tuple(solids)))
+
+
 def test_errors_agree_by_code() -> None:
     def failing(code: str) -> Outcome:
         def derive_nothing() -> Scene:

@@ -27,8 +27,8 @@ class Contexts:
         lines = ["ipm 1", f"turtle angle {draw.choice((22.5, 60, 90))}"]
         if draw.random() < 0.7:
             lines.append("ignore + - F f")
-        for _ in range(draw.randint(2, 6)):
-            lines += self._rule()
+        rules = dict(self._rule() for _ in range(draw.randint(2, 6)))
+        lines += [f"{head} --> {rules[head]}" for head in sorted(rules, key=_always)]
         for name, parameter in SYMBOLS:
             if draw.random() < 0.6:
                 head = f"{name}({parameter})" if parameter else name
@@ -37,8 +37,8 @@ class Contexts:
         axiom = " ".join(self._word(4) for _ in range(draw.randint(5, 12)))
         return "\n".join([*lines, f"start {axiom} steps {draw.randint(1, 6)}", ""])
 
-    def _rule(self) -> list[str]:
-        """A rule, and now and then a second one for the same head."""
+    def _rule(self) -> tuple[str, str]:
+        """A head with its conditions, and a successor."""
         draw = self.draw
         name, parameter = draw.choice(SYMBOLS)
         head = f"{name}({parameter})" if parameter else name
@@ -53,7 +53,7 @@ class Contexts:
         guard = self.values.condition(names) if draw.random() < 0.4 else ""
         chance = draw.choice(("", "", "30%"))
         before = "".join(f" : {each}" for each in (guard, chance) if each)
-        return [f"{head}{before} --> {self._successor(names)}"]
+        return f"{head}{before}", self._successor(names)
 
     def _successor(self, names: tuple[Value, ...]) -> str:
         draw = self.draw
@@ -75,3 +75,8 @@ class Contexts:
     @staticmethod
     def _names(parameter: str) -> tuple[Value, ...]:
         return (Value(parameter, 0, 9),) if parameter else ()
+
+
+def _always(head: str) -> int:
+    """How surely a rule is taken; those that surely are stand last."""
+    return 0 if ":" in head else 3 - head.count("<") - head.count(">")

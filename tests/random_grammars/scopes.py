@@ -249,7 +249,7 @@ class Scopes(Writer):
         draw = self.draw
         flat = place.form == "flat"
         made = draw.choice(
-            ("extrude", "extrude", "extrude", "roof", "taper", "inset", "making")
+            ("extrude", "extrude", "extrude", "roof", "roof", "taper", "inset", "making")
             if flat
             else ("making", "making", "quad", "octant")
         )
