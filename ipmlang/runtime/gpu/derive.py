@@ -17,14 +17,13 @@ from ipmlang.runtime.code import Column
 from ipmlang.runtime.drawings import Chunk
 from ipmlang.runtime.fields import fields
 from ipmlang.runtime.frontier import Frontier
-from ipmlang.runtime.gpu import isa, sampling
-from ipmlang.runtime.gpu.device import device
-from ipmlang.runtime.gpu.encode import Encoded, calls_of, encode
+from ipmlang.runtime.gpu import isa
+from ipmlang.runtime.gpu.encode import calls_of, encode
 from ipmlang.runtime.gpu.geometries import Geometries
-from ipmlang.runtime.gpu.isa import FINAL, HEADER, NONE, ON_CPU, TERMINAL, Entry, Header, Terminal
+from ipmlang.runtime.gpu.isa import FINAL, HEADER, TERMINAL, Header, Terminal
 from ipmlang.runtime.gpu.leaves import places
-from ipmlang.runtime.gpu.machine import Layout, Machine, Made, Rows, TroubleError
-from ipmlang.runtime.gpu.seeds import Seeds
+from ipmlang.runtime.gpu.loading import Batch, Loading
+from ipmlang.runtime.gpu.machine import Made, Rows, TroubleError
 from ipmlang.runtime.gpu.words import Calls
 from ipmlang.runtime.numpy_backend import derived
 from ipmlang.runtime.order import Copies, Drawn, Record, Slot
@@ -32,10 +31,10 @@ from ipmlang.runtime.order import Made as MadeShapes
 from ipmlang.runtime.pending import FINAL as LAST
 from ipmlang.runtime.pending import Shapes
 from ipmlang.runtime.scene import SCOPE, Scene
-from ipmlang.runtime.scopes.shaping import EXTRUDED
 
 Words = NDArray[np.uint32]
-ENTRY = len(Entry)
+
+FEW = 256  # shapes that are derived whole, each by one thread, after long and narrow growth
 
 
 def derive_gpu(
@@ -70,43 +69,46 @@ class GpuFrontier(Frontier):
     def __init__(self, calls: Calls, *args: object) -> None:
         super().__init__(*args)  # type: ignore[arg-type]
         self.ran = self.shared = False
-        self._calls = calls
-        texels = sampling.extents(self.bound.data.contexts)
-        count = len(self.bound.attrs)
-        self._encoded = encode(self.program, self.fields, count, texels, calls)
-        self._capable = set(self._encoded.capable)
         self._geometries = Geometries(self.pool, self.cut_box)
-        self._machine: Machine | None = None
-        self._layout = Layout(0, 0, {})
+        self._kinds: dict[Calls, Loading] = {}
+        self._calls = calls
+        self._left = set(range(len(self.program.symbols)))
+        self._left -= self._kind(calls).encoded.capable
+        self._is_deep = False  # what waits is narrow, and was so for long
 
     def run(self, seed: int) -> None:
         """Derive everything."""
-        if self._calls == "none":
-            super().run(seed)
-            return
+        try:
+            if self._calls == "none":
+                super().run(seed)
+            else:
+                self._run_whole(seed)
+        finally:
+            self._release()
+
+    def _run_whole(self, seed: int) -> None:
+        """A program whose modules thread: one call of the start."""
         self.names_begin()
         first = self.axiom(seed)
-        assert self._encoded.axiom is not None
-        self._machine = self._built()
-        roots = self._roots([((isa.RESUME | self._encoded.axiom, 0), first)])
+        kind = self._kind(self._calls)
+        assert kind.encoded.axiom is not None
+        batches = [((isa.RESUME | kind.encoded.axiom, 0), first)]
+        machine = kind.machine(batches, ())
         try:
-            made = self._machine.run(roots, first.count, self.counted.most())
-        except TroubleError:
-            self.shared = True
+            made = machine.run(kind.roots(batches), first.count, self.counted.most())
+        except TroubleError:  # nothing ran: numpy tells
             return
-        finally:
-            self.release()
         self._take(made, first.numbers)
         self.ran = True
 
     def advance(self) -> None:
         """Derive some of what waits for the CPU; where nothing does, all that the card can."""
-        if self.pending.has(self._is_left):
+        if self.pending.has(self._left.__contains__):
             self.shared = self.shared or self.ran
-            (symbol, generation), shapes = self.pending.next(self._is_left)
+            (symbol, generation), shapes = self.pending.next(self._left.__contains__)
             self.derive(symbol, generation, shapes)
             return
-        batches = self.pending.take(self._capable.__contains__)
+        batches = self.pending.take(lambda symbol: symbol not in self._left)
         try:
             self._run(batches)
             self.ran = True
@@ -115,145 +117,46 @@ class GpuFrontier(Frontier):
             for (symbol, generation), shapes in batches:
                 self.pending.put(symbol, generation, shapes)
 
-    def _is_left(self, symbol: int) -> bool:
-        """Whether the CPU derives a symbol."""
-        return symbol not in self._capable
-
     def is_narrow(self) -> bool:
         """Never: the card takes few shapes as it takes many."""
         return False
 
-    def release(self) -> None:
+    def _release(self) -> None:
         """Give what it holds on the card back."""
-        if self._machine is not None:
-            self._machine.release()
-            self._machine = None
+        for each in self._kinds.values():
+            each.release()
 
     def _learn(self, found: TroubleError) -> None:
         """The CPU derives the symbol that met trouble from now on, or all of them."""
-        self.release()
+        self._release()
         self.shared = True
-        if found.rule < len(self.program.productions):
-            self._capable.discard(self.program.productions[found.rule].symbol)
+        geometry = found.bits == isa.Trouble.GEOMETRY
+        if geometry and found.rule < len(self.program.productions):
+            self._left.add(self.program.productions[found.rule].symbol)
         else:
-            self._capable.clear()
-        if found.bits != isa.Trouble.GEOMETRY:
-            self._capable.clear()
+            self._left.update(range(len(self.program.symbols)))
 
     # ----------------------------------------------------------------------- going there
 
-    def _run(self, batches: Sequence[tuple[tuple[int, int], Shapes]]) -> None:
-        self._prepare(batches)
-        assert self._machine is not None
-        roots = self._roots(batches)
+    def _kind(self, calls: Calls) -> Loading:
+        if calls not in self._kinds:
+            self._kinds[calls] = Loading(self, self._geometries, calls)
+        return self._kinds[calls]
+
+    def _run(self, batches: Sequence[Batch]) -> None:
         numbers = np.concatenate([shapes.numbers for _, shapes in batches])
         symbols = (self.program.symbols[symbol] for (symbol, _), _ in batches)
         rules = [rule for each in symbols for rule in each.productions or each.interpretation]
         self.counted.at(min(rules, default=-1), numbers)
-        made = self._machine.run(roots, len(numbers), self.counted.most())
+        kind = self._kind(self._calls)
+        if self._is_deep and len(numbers) < FEW:
+            deep = self._kind("forks")
+            if all(symbol in deep.encoded.capable for (symbol, _), _ in batches):
+                kind = deep
+        machine = kind.machine(batches, self._left)
+        made = machine.run(kind.roots(batches), len(numbers), self.counted.most())
+        self._is_deep = made.deep
         self._take(made, numbers)
-
-    def _prepare(self, batches: Sequence[tuple[tuple[int, int], Shapes]]) -> None:
-        """A machine that knows the geometries of these shapes."""
-        new = False
-        if "geo" in self.fields:
-            slot = self.fields.index("geo")
-            found = {self.pool.box(EXTRUDED)}
-            for _, shapes in batches:
-                found |= {int(each) for each in np.unique(shapes.state[slot]).tolist()}
-            new = self._geometries.describe(found)
-        if self._machine is None or new:
-            self.release()
-            self._machine = self._built()
-
-    def _built(self) -> Machine:
-        encoded = self._encoded
-        code = np.array(encoded.code, np.uint32)
-        for symbol in encoded.capable - self._capable:
-            code[encoded.symbols + symbol * ENTRY + Entry.FLAGS] = ON_CPU
-        data = [np.array(encoded.data, np.float64)]
-        data[0][: len(self.bound.attrs)] = self.bound.attrs
-        geometries = 0
-        base = len(encoded.data)
-        if "geo" in self.fields:
-            if encoded.extruded >= 0:
-                data[0][encoded.extruded] = self.pool.box(EXTRUDED)
-            table = self._geometries.table()
-            geometries = len(table)
-            data.append(table.ravel())
-            place = base + table.size
-            for part in encoded.faces:
-                faces = self._geometries.faces(part)
-                code[part.word] = place
-                place += faces.size
-                data.append(faces.ravel())
-        data += self._sampled(code, sum(map(len, data)))
-        self._layout = self._laid(encoded, base, geometries)
-        notes = len(self.program.productions) + 1 + len(self.program.symbols)
-        kind = Machine if self._calls == "none" else Seeds
-        return kind(device(), self._layout, code, np.concatenate(data), notes)
-
-    def _sampled(self, code: Words, place: int) -> list[NDArray[np.float64]]:
-        """The contexts that are fetched, to stand in the data from a place on."""
-        found: list[NDArray[np.float64]] = []
-        places: dict[tuple[int, int], int] = {}
-        for each in self._encoded.samples:
-            key = (each.context, each.channel)
-            if key not in places:
-                places[key] = place
-                found.append(sampling.numbers(self.bound.data.contexts[each.context], each.channel))
-                place += len(found[-1])
-            code[each.word] = places[key]
-        return found
-
-    def _laid(self, encoded: Encoded, base: int, geometries: int) -> Layout:
-        slots = {name: number for number, name in enumerate(self.fields)}
-        mirrors = any(
-            each.op == "mirror" or (each.op == "solid" and each.const == "mirrorScope")
-            for symbol in self.program.symbols
-            for each in symbol.meaning or ()
-        )
-        uniforms = {
-            "symbols": encoded.symbols,
-            "blocks": encoded.blocks,
-            "productions": len(self.program.productions),
-            "geometries": geometries,
-            "geometry_base": base,
-            "steps": NONE if self.steps is None else min(self.steps, FINAL - 1),
-            "state_size": len(self.fields),
-            "param_size": encoded.parameters,
-            "planar": int("angle" in slots),
-            "slot_scale": slots.get("scale", NONE),
-            "slot_size": slots.get("sx", NONE),
-            "slot_geometry": slots.get("geo", NONE),
-            "mirrors": int(mirrors),
-            "registers": encoded.registers,
-            "resumable": int(encoded.resumable or self._calls != "none"),
-            "forks": int(self._calls == "forks"),
-        }
-        return Layout(len(self.fields), encoded.parameters, uniforms)
-
-    def _roots(self, batches: Sequence[tuple[tuple[int, int], Shapes]]) -> Words:
-        """Shapes as records, column by column."""
-        layout = self._layout
-        count = sum(shapes.count for _, shapes in batches)
-        out = np.zeros((layout.record, count), np.uint32)
-        out[Header.PARENT] = NONE
-        out[Header.SEQUENCE] = np.arange(count)
-        out[Header.COUNT] = 1
-        begin = 0
-        for (symbol, generation), shapes in batches:
-            rows = slice(begin, begin + shapes.count)
-            out[Header.ENTRY, rows] = symbol
-            out[Header.GENERATION, rows] = min(generation, FINAL)
-            out[Header.KEY0, rows], out[Header.KEY1, rows] = shapes.k0, shapes.k1
-            out[Header.RULE, rows] = np.asarray(shapes.rule, np.int32).astype(np.uint32)
-            for place, column in enumerate((*shapes.state, *shapes.params)):
-                both = np.broadcast_to(np.asarray(column, np.float64), (shapes.count,))
-                words = np.ascontiguousarray(both).view(np.uint32).reshape(-1, 2)
-                out[HEADER + 2 * place : HEADER + 2 * place + 2, rows] = words.T
-            begin += shapes.count
-        return out
 
     # ----------------------------------------------------------------------- coming back
 

@@ -33,43 +33,49 @@ double scale_factor() { return slot_scale == NONE ? 1.0lf : r[slot_scale]; }
 
 double hand() { return mirrors == 0u || scale_factor() >= 0.0lf ? 1.0lf : -1.0lf; }
 
-void move_by(dvec3 step) {
-    double scale = scale_factor();
-    double size = scale * hand();
-    step = dvec3(step.x * scale, step.y * size, step.z * size);
+// What an instruction does to the frame is done once, after it: these functions are long, and a
+// compiler writes them out wherever they are called.
+
+dvec3 step;     // along the local axes
+Turn spin;      // in the local frame
+double angle;   // in degrees, of which the circle is needed
+uint spin_axis; // of a spin by that angle; 3: the spin is known
+bool moves;
+bool spins;
+bool circles;
+
+void go_by(dvec3 by) {
+    step = by;
+    moves = true;
     if (planar != 0u) {
-        dvec2 unit = on_circle(r[2]);
-        r[0] += step.x * unit.x - step.y * unit.y;
-        r[1] += step.x * unit.y + step.y * unit.x;
-        return;
+        angle = r[2];
+        circles = true;
     }
-    dvec3 by = turned(rotation(), step);
-    r[0] += by.x;
-    r[1] += by.y;
-    r[2] += by.z;
 }
 
-void turn_by(Turn q) {  // in the local frame; a mirrored one turns about y and z the other way
-    double side = hand();
-    set_rotation(product(rotation(), Turn(q.w, q.x, q.y * side, q.z * side)));
+void spin_by(Turn q) {
+    spin = q;
+    spin_axis = 3u;
+    spins = true;
 }
 
-void rotate_by(uint axis, double degrees) {
+void rotate_by(uint its_axis, double degrees) {
     if (planar != 0u) {
         r[2] += degrees * hand();
         return;
     }
-    dvec2 unit = on_circle(degrees * 0.5lf);
-    turn_by(Turn(unit.x, axis == 0u ? unit.y : 0.0lf, axis == 1u ? unit.y : 0.0lf,
-                 axis == 2u ? unit.y : 0.0lf));
+    spin_axis = its_axis;
+    angle = degrees * 0.5lf;
+    spins = true;
+    circles = true;
 }
 
 void orient_by(double w, double x, double y, double z) {
-    double size = sqrt(w * w + x * x + y * y + z * z);
-    turn_by(Turn(w / size, x / size, y / size, z / size));
+    double size = square_root(w * w + x * x + y * y + z * z);
+    spin_by(Turn(w / size, x / size, y / size, z / size));
 }
 
-void level() {
+void level() {  // rolled about the heading until the left is horizontal
     if (planar != 0u) return;
     Turn q = rotation();
     double side = hand();
@@ -80,7 +86,31 @@ void level() {
     dvec3 up = turned(q, dvec3(0.0lf, 0.0lf, 1.0lf));
     double wx = -heading.y / size * side;
     double wy = heading.x / size * side;
-    double angle = function_atan2(wx * up.x + wy * up.y, wx * left.x + wy * left.y);
-    dvec2 unit = on_circle(angle * 0.5lf);
-    set_rotation(product(q, Turn(unit.x, unit.y, 0.0lf, 0.0lf)));
+    rotate_by(0u, function_atan2(wx * up.x + wy * up.y, wx * left.x + wy * left.y));
+}
+
+void move_and_spin() {
+    dvec2 unit = dvec2(1.0lf, 0.0lf);
+    if (circles) unit = on_circle(angle);
+    double side = hand();
+    if (moves) {
+        double scale = scale_factor();
+        double size = scale * side;
+        dvec3 by = dvec3(step.x * scale, step.y * size, step.z * size);
+        if (planar != 0u) {
+            r[0] += by.x * unit.x - by.y * unit.y;
+            r[1] += by.x * unit.y + by.y * unit.x;
+        } else {
+            by = turned(rotation(), by);
+            r[0] += by.x;
+            r[1] += by.y;
+            r[2] += by.z;
+        }
+    }
+    if (spins) {  // a mirrored frame turns about y and z the other way
+        if (spin_axis < 3u)
+            spin = Turn(unit.x, spin_axis == 0u ? unit.y : 0.0lf,
+                        spin_axis == 1u ? unit.y : 0.0lf, spin_axis == 2u ? unit.y : 0.0lf);
+        set_rotation(product(rotation(), Turn(spin.w, spin.x, spin.y * side, spin.z * side)));
+    }
 }

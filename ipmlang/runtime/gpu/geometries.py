@@ -34,19 +34,20 @@ class Geometries:
         self._rows: dict[int, list[float]] = {}
         self._taken: dict[tuple[tuple[ir.Const, ...], int], Floats] = {}
 
-    def describe(self, numbers: Iterable[int]) -> bool:
-        """Add geometries, and all that follow from them; whether there were new ones."""
+    def __len__(self) -> int:
+        """How many are described."""
+        return len(self._rows)
+
+    def describe(self, numbers: Iterable[int]) -> None:
+        """Add geometries, and all that follow from them."""
         waiting = {BOX, *numbers} - self._rows.keys()
-        found = False
         while waiting and len(self._rows) < MOST:
             number = waiting.pop()
             if not bool(self._pool.are_boxes(float(number))):
                 continue
-            found = True
             self._rows[number] = row = self._described(number)
             waiting |= {int(each) for each in row[1:13]} - self._rows.keys()
             waiting |= set(self._faces(number)) - self._rows.keys()
-        return found
 
     def table(self) -> Floats:
         """One row (n, WIDTH) for every number up to the largest; zeros where it fills no scope."""

@@ -48,8 +48,8 @@ class Op(IntEnum):
     MEASURE = 24  # out = area (z 0), volume (1) or sides (2) of the scope's box
     EXTRUDE = 25  # a rectangle becomes a box a high, whose geometry is number data[z]
     FACE = 26  # the scope becomes that of the face with number a of those in table z
-    ROTATE = 27  # the scope turns by a, b, c degrees about shares of its box that data has at z
-    FLIP = 28  # the scope is mirrored within itself along axis z
+    CENTER = 27  # to the point of the box whose shares data has at z; n: back from there
+    FLIP = 28  # the scope is mirrored within itself along axis z, if MIRROR comes next
     FETCH = 29  # out = what the channel of a context whose data code[z] leads to is at (a, b)
     GEOMETRY = 30  # the geometry becomes number data[z]
     FACES = 31  # out = how many faces of the scope's box the part with table z takes

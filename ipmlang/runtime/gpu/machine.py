@@ -28,6 +28,8 @@ Floats = NDArray[np.float64]
 GROUP = 64  # threads of a work group
 SLICE = 1 << 20  # threads of one dispatch
 FEWEST = 1 << 12  # rows that a new table has room for
+NARROW = 256  # shapes that make so few others are better off with a thread for each
+DEEP = 64  # passes that were all so narrow, before what waits is given back
 GROWTH = 1.3  # room beyond what was needed last time
 SOURCES = (
     "state.glsl", "frames.glsl", "scopes.glsl", "sampling.glsl", "making.glsl", "vm.glsl",
@@ -88,7 +90,8 @@ class Tree:
 @dataclass(slots=True, eq=False)
 class Made:
     """What a run made: tables of terminals and of shapes for the CPU, the tree that they hang in,
-    how many shapes were counted and how many generations, and what was left out (words).
+    how many shapes were counted and how many generations, what was left out (words), and whether it
+    was given back for having been narrow for long.
     """
 
     terminals: list[Rows]
@@ -97,6 +100,7 @@ class Made:
     shapes: int
     generations: int
     notes: Words
+    deep: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -172,7 +176,7 @@ class Machine:
         first.count = first.room = roots.shape[1]
         counts = np.zeros(Count.NOTES + self.notes, np.uint32)
         waiting = [_Waiting(first, 0, 0, copies)]
-        numbered = first.count
+        numbered, thin = first.count, 0
         if ordered:
             made.tree.note(first, 0)
         while waiting:
@@ -185,7 +189,11 @@ class Machine:
                 self._done(each)
             if int(counts[Count.SHAPES]) > limit:
                 raise TroubleError(0, int(counts[Count.STOPPED]))
-            if rows.count:
+            thin = thin + 1 if not waiting and 0 < rows.count < NARROW else 0
+            if thin > DEEP and int(rows.words(Header.ENTRY).max()) < isa.BLOCK:
+                made.returned.append(rows)
+                made.deep = True
+            elif rows.count:
                 if ordered:
                     made.tree.note(rows, each.depth + 1)
                 waiting.append(_Waiting(rows, numbered, each.depth + 1, int(counts[Count.COPIES])))

@@ -11,31 +11,48 @@ void put_number(uint row, uint word, uint rows, double value, bool back) {
     put(row, word + 1u, rows, words.y, back);
 }
 
-// A record at the end of the next queue, or of the table of those that go back to the CPU; `list`
-// names the registers of its parameters, NONE: those from `first` on.
-void append(uint entry, uint generation, uvec2 its_key, uint its_rule, uint many, uint list,
-            uint first, uint parameters, bool back) {
+// The record that an instruction makes: what it is, and which registers its parameters stand in,
+// those that a list names, or those from `first` on where the list is NONE.
+struct Record {
+    uint entry;
+    uint generation;
+    uvec2 key;
+    uint rule;
+    uint many;
+    uint list;
+    uint first;
+    uint parameters;
+    bool back;  // the CPU derives it
+};
+
+Record record;
+
+// It stands at the end of the next queue, or of the table for the CPU. False: there is no room.
+bool append() {
+    bool back = record.back;
     uint row = atomicAdd(counts[back ? COUNT_RETURNED : COUNT_RECORDS], 1u);
     if (back) row += returned_first;
-    else if (atomicAdd(counts[COUNT_COPIES], many) + many < many) trouble(TROUBLE_COUNT);
-    uint number = sequence++;
+    else if (atomicAdd(counts[COUNT_COPIES], record.many) + record.many < record.many)
+        trouble(TROUBLE_COUNT);
     uint rows = back ? returned_rows : next_rows;
-    if (row >= rows) return;
-    put(row, HEADER_ENTRY, rows, entry, back);
-    put(row, HEADER_GENERATION, rows, generation, back);
-    put(row, HEADER_KEY0, rows, its_key.x, back);
-    put(row, HEADER_KEY1, rows, its_key.y, back);
-    put(row, HEADER_RULE, rows, its_rule, back);
+    if (row >= rows) return false;
+    put(row, HEADER_ENTRY, rows, record.entry, back);
+    put(row, HEADER_GENERATION, rows, record.generation, back);
+    put(row, HEADER_KEY0, rows, record.key.x, back);
+    put(row, HEADER_KEY1, rows, record.key.y, back);
+    put(row, HEADER_RULE, rows, record.rule, back);
     put(row, HEADER_PARENT, rows, node, back);
     put(row, HEADER_COPY, rows, copy_number, back);
-    put(row, HEADER_SEQUENCE, rows, number, back);
-    put(row, HEADER_COUNT, rows, many, back);
-    for (uint field = 0u; field < state_size; field++)
-        put_number(row, HEADER + 2u * field, rows, r[field], back);
-    for (uint place = 0u; place < parameters; place++) {
-        double value = r[list == NONE ? first + place : code[list + place]];
-        put_number(row, HEADER + 2u * (state_size + place), rows, value, back);
+    put(row, HEADER_SEQUENCE, rows, sequence, back);
+    put(row, HEADER_COUNT, rows, record.many, back);
+    for (uint place = 0u; place < state_size + record.parameters; place++) {
+        uint own = place - state_size;
+        uint from = place < state_size ? place
+            : record.list == NONE ? record.first + own : code[record.list + own];
+        put_number(row, HEADER + 2u * place, rows, r[from], back);
     }
+    sequence++;
+    return true;
 }
 
 // Draw a terminal; false where the table is full.
@@ -81,6 +98,10 @@ bool draw(int asset, uint symbol, uint kind, dvec3 given) {
     return true;
 }
 
+bool on_cpu(uint symbol) {
+    return (code[symbols + symbol * ENTRY + ENTRY_FLAGS] & ON_CPU) != 0u;
+}
+
 // A child: nothing can come of a barren symbol, which is counted all the same.
 bool worth_making(uint symbol) {
     uint entry = symbols + symbol * ENTRY;
@@ -88,13 +109,6 @@ bool worth_making(uint symbol) {
     if (code[entry + ENTRY_INTERPRETATIONS] != NONE && following < FINAL) return true;
     if (code[entry + ENTRY_PRODUCTIONS] == NONE || following >= FINAL) return false;
     return steps == NONE || following < steps;
-}
-
-void make(uint symbol, uvec2 its_key, uint its_rule, uint list, uint first, uint parameters) {
-    atomicAdd(counts[COUNT_SHAPES], 1u);
-    if (!worth_making(symbol)) return;
-    bool back = (code[symbols + symbol * ENTRY + ENTRY_FLAGS] & ON_CPU) != 0u;
-    append(symbol, following, its_key, its_rule, 1u, list, first, parameters, back);
 }
 
 double copies_of(double limit) {

@@ -34,7 +34,7 @@ bool slab(uint axis, double low, double size) {
     bool begins = low > 1e-9lf * extent;
     bool ends = low + size < extent * (1.0lf - 1e-9lf);
     r[slot_geometry] = cut_geometry(geometry, axis, begins, ends);
-    move_by(dvec3(axis == 0u ? low : 0.0lf, axis == 1u ? low : 0.0lf, axis == 2u ? low : 0.0lf));
+    go_by(dvec3(axis == 0u ? low : 0.0lf, axis == 1u ? low : 0.0lf, axis == 2u ? low : 0.0lf));
     r[slot_size + axis] = size;
     return true;
 }
@@ -72,7 +72,7 @@ void extrude(double height, double made) {
         trouble(TROUBLE_GEOMETRY);
         return;
     }
-    if (height < 0.0lf) move_by(dvec3(0.0lf, 0.0lf, height));
+    if (height < 0.0lf) go_by(dvec3(0.0lf, 0.0lf, height));
     r[slot_size + 2u] = abs(height);
     r[slot_geometry] = made;
 }
@@ -130,30 +130,27 @@ void face(uint table, double number) {
         corner.y = sy;
         size = dvec2(sy, sz);
     }
-    move_by(corner);
-    turn_by(q);
+    go_by(corner);
+    spin_by(q);
     r[slot_size] = size.x;
     r[slot_size + 1u] = size.y;
     r[slot_size + 2u] = 0.0lf;
     r[slot_geometry] = geometry;
 }
 
-void rotate_scope(dvec3 degrees, uint share) {
-    dvec3 center = dvec3(r[slot_size] * data[share], r[slot_size + 1u] * data[share + 1u],
-                         r[slot_size + 2u] * data[share + 2u]);
-    move_by(center);
-    rotate_by(0u, degrees.x);
-    rotate_by(1u, degrees.y);
-    rotate_by(2u, degrees.z);
-    move_by(-center);
+// To the point of the scope's box that has these shares of it, or back from there.
+void center(uint share, bool back) {
+    dvec3 by = dvec3(r[slot_size] * data[share], r[slot_size + 1u] * data[share + 1u],
+                     r[slot_size + 2u] * data[share + 2u]);
+    go_by(back ? -by : by);
 }
 
+// Mirrored within itself along an axis, but for the handedness, which changes after it.
 void flip(uint axis) {
     double extent = r[slot_size + axis];
-    move_by(dvec3(axis == 0u ? extent : 0.0lf, axis == 1u ? extent : 0.0lf,
+    go_by(dvec3(axis == 0u ? extent : 0.0lf, axis == 1u ? extent : 0.0lf,
                   axis == 2u ? extent : 0.0lf));
-    turn_by(axis == 0u ? Turn(1.0lf, 0.0lf, 0.0lf, 0.0lf)
+    spin_by(axis == 0u ? Turn(1.0lf, 0.0lf, 0.0lf, 0.0lf)
             : axis == 1u ? Turn(0.0lf, 0.0lf, 0.0lf, 1.0lf)
                          : Turn(0.0lf, 0.0lf, 1.0lf, 0.0lf));
-    r[slot_scale] = -r[slot_scale];
 }

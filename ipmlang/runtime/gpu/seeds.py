@@ -66,21 +66,27 @@ class Seeds(Machine):
         more = {"stack_slots": slots, "frame_words": self._frame, "resuming": 0}
         while True:
             terminals = self.table(made.terminals, self.layout.terminal, many)
+            returned = self.table(made.returned, self.layout.record, 0)
             uniforms = {
                 **more, "records": many, "queue_rows": rows.room, "first_record": first,
                 "first_thread": 0, "threads": many, "whole": 1,
                 "terminal_first": terminals.count, "terminal_rows": terminals.room,
+                "returned_first": returned.count, "returned_rows": returned.room,
             }  # fmt: skip
-            tables = (rows.storage, unused.storage, terminals.storage, unused.storage)
+            tables = (rows.storage, unused.storage, terminals.storage, returned.storage)
             counts = self.dispatch(uniforms, tables, stack, many, counts)
-            wanted = terminals.count + int(counts[Count.TERMINALS])
-            terminals.count = min(wanted, terminals.room)
+            full = [
+                self._filled(table, int(counts[word]))
+                for table, word in ((terminals, Count.TERMINALS), (returned, Count.RETURNED))
+            ]
             if int(counts[Count.SHAPES]) > limit:
                 raise TroubleError(0, int(counts[Count.STOPPED]))
             if not counts[Count.RECORDS]:
                 break
-            if wanted > terminals.room:
+            if full[0]:
                 self.table(made.terminals, self.layout.terminal, terminals.room, new=True)
+            if full[1]:
+                self.table(made.returned, self.layout.record, returned.room, new=True)
             if counts[Count.COPIES]:
                 slots *= 2
                 stack = self._grown(stack, many, slots)
@@ -88,6 +94,12 @@ class Seeds(Machine):
         stack.release()
         unused.storage.release()
         return counts
+
+    def _filled(self, table: Rows, more: int) -> bool:
+        """Note so many more rows of a table; whether there was no room for all of them."""
+        wanted = table.count + more
+        table.count = min(wanted, table.room)
+        return wanted > table.room
 
     def _grown(self, stack: Storage, many: int, slots: int) -> Storage:
         """The same stacks with room for more frames."""

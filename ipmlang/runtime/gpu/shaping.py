@@ -87,12 +87,16 @@ def _extrude(elements: Elements, args: Sequence[int], known: Given) -> None:
 def _rotate(elements: Elements, args: Sequence[int], known: Given) -> None:
     share = SHARES[str(_text(elements, "rotate", known, 3))]
     at = elements.words.numbers(share)
-    elements.words.put(Op.ROTATE, a=args[0], b=args[1], c=args[2], z=at)
+    elements.words.put(Op.CENTER, z=at)
+    for axis, angle in enumerate(args[:3]):
+        elements.words.put(Op.TURN, a=angle, z=axis)
+    elements.words.put(Op.CENTER, z=at, n=1)
 
 
 def _flip(elements: Elements, args: Sequence[int], known: Given) -> None:
     axis = "xyz".index(str(_text(elements, "mirrorScope", known, 0)))
     elements.words.put(Op.FLIP, z=axis)
+    elements.words.put(Op.MIRROR)
 
 
 def _cube(elements: Elements, args: Sequence[int], known: Given) -> None:

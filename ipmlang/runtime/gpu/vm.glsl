@@ -73,13 +73,13 @@ void push(uint at) {
     keep(frame + 5u, key.x);
     keep(frame + 6u, key.y);
     keep(frame + 7u, shown ? 1u : 0u);
-    for (uint place = 0u; place < registers; place++)
-        keep_number(frame + 8u + 2u * place, r[state_size + place]);
-    if (forks != 0u)
-        for (uint field = 0u; field < state_size; field++)
-            keep_number(frame + 8u + 2u * (registers + field), r[field]);
+    uint many = registers + (forks != 0u ? state_size : 0u);
+    for (uint place = 0u; place < many; place++) {
+        uint own = place < registers ? state_size + place : place - registers;
+        keep_number(frame + 8u + 2u * place, r[own]);
+    }
     depth++;
-    spent += registers + state_size;
+    spent += many / 8u;
 }
 
 uint pop(bool with_state) {
@@ -90,220 +90,228 @@ uint pop(bool with_state) {
     own_key = uvec2(kept(frame + 3u), kept(frame + 4u));
     key = uvec2(kept(frame + 5u), kept(frame + 6u));
     shown = kept(frame + 7u) != 0u;
-    for (uint place = 0u; place < registers; place++)
-        r[state_size + place] = kept_number(frame + 8u + 2u * place);
-    if (with_state)
-        for (uint field = 0u; field < state_size; field++)
-            r[field] = kept_number(frame + 8u + 2u * (registers + field));
-    spent += registers + state_size;
+    uint many = registers + (with_state ? state_size : 0u);
+    for (uint place = 0u; place < many; place++) {
+        uint own = place < registers ? state_size + place : place - registers;
+        r[own] = kept_number(frame + 8u + 2u * place);
+    }
+    spent += many / 8u;
     return kept(frame);
 }
 
-// Leave off before the instruction at a place; another dispatch goes on there.
-void leave_off(uint at) {
-    push(at);
-    keep(0u, depth);
-    keep(1u, sequence);
-    for (uint field = 0u; field < state_size; field++) keep_number(2u + 2u * field, r[field]);
-    atomicAdd(counts[COUNT_RECORDS], 1u);
-    complete = true;
-}
-
-uint resume() {
-    depth = kept(0u);
-    sequence = kept(1u);
-    uint at = pop(false);
-    for (uint field = 0u; field < state_size; field++) r[field] = kept_number(2u + 2u * field);
-    return at;
-}
-
-// Where the code of a child goes on; its arguments are on their way.
-uint called(uint symbol, uvec2 its_key, uint parameters) {
-    bool sound = true;
-    own_key = its_key;
-    for (uint place = 0u; place < parameters; place++) {
-        r[state_size + place] = r[REGISTERS + place];
-        sound = sound && is_finite(r[state_size + place]);
-    }
-    if (!sound) trouble(TROUBLE_NOT_FINITE);
-    spent += parameters;
-    return entered(symbol, following);
-}
-
-#else
-
-// Leave off before the instruction at a place; another thread goes on there.
-void leave_off(uint at) {
-    append(RESUME | (shown ? 0u : HIDDEN) | at, following, own_key, rule, 1u, NONE, state_size,
-           param_size, false);
-    complete = true;
-}
-
 #endif
 
-// No production takes a shape: it stays as it is, with a key of its own, or is an error. Where its
-// code goes on; NONE: it ends here.
-uint none_taken(uint symbol) {
-    if (steps == NONE && following < FINAL) {
-        trouble(TROUBLE_NO_PRODUCTION);
-        return NONE;
-    }
-    uint parameters = code[symbols + symbol * ENTRY + ENTRY_ARITY];
-    uvec2 its_key = mixed(own_key, CHOICE_SITE);
+// What an instruction leaves to be done after it, once for all of them: these parts are long, and a
+// compiler writes them out wherever they are called.
+const uint DONE = 0u;
+const uint MAKE = 1u;     // a record
+const uint STOP = 2u;     // leave off; another dispatch goes on
+const uint RETURN = 3u;   // the code of the shape has ended
+const uint STAY = 4u;     // no production takes the shape
 #ifdef PER_SEED
-    atomicAdd(counts[COUNT_SHAPES], 1u);
-    rule = NONE;
-    if (!worth_making(symbol)) return NONE;
-    for (uint place = 0u; place < parameters; place++)
-        r[REGISTERS + place] = r[state_size + place];
-    return called(symbol, its_key, parameters);
-#else
-    make(symbol, its_key, NONE, NONE, state_size, parameters);
-    return NONE;
+const uint RESUMED = 5u;  // go on where the thread left off
+const uint CALL = 6u;     // the child that an instruction makes
 #endif
+
+// The thread leaves off before the instruction at a place. Without stacks the rest is a record.
+void describe_rest(uint at) {
+    record = Record(RESUME | (shown ? 0u : HIDDEN) | at, following, own_key, rule, 1u, NONE,
+                    state_size, param_size, false);
 }
 
-void run(uint at) {
+void run(uint at, uint action) {
     for (;;) {
         uint word = code[at], more = code[at + 1u], z = code[at + 2u], w = code[at + 3u];
         uint target = word >> 8 & 255u, a = word >> 16 & 255u, b = word >> 24;
         uint c = more & 255u, d = more >> 8 & 255u, n = more >> 24;
-        at += 4u;
+        moves = false;
+        spins = false;
+        circles = false;
         spent++;
-        switch (word & 255u) {
-        case OP_END:
-#ifdef PER_SEED
-            if (depth > 0u) {
-                at = pop(forks != 0u);
+        uint here = at;
+        if (action == DONE) {
+            at += 4u;
+            switch (word & 255u) {
+            case OP_END: action = RETURN; break;
+            case OP_LOAD: r[target] = data[z]; break;
+            case OP_COPY: r[target] = r[a]; break;
+            case OP_CALL: {
+                double given[ARGUMENTS];
+                given[0] = r[a];
+                given[1] = r[b];
+                given[2] = r[c];
+                r[target] = function_of(z, given);
                 break;
             }
-            keep(0u, NONE);
-#endif
-            complete = true;
-            return;
-        case OP_LOAD: r[target] = data[z]; break;
-        case OP_COPY: r[target] = r[a]; break;
-        case OP_CALL: {
-            double given[ARGUMENTS];
-            given[0] = r[a];
-            given[1] = r[b];
-            given[2] = r[c];
-            r[target] = function_of(z, given);
-            break;
-        }
-        case OP_PICK: {
-            uint place = uint(min(floor(r[a] * double(n)), double(n - 1u)));
-            r[target] = r[code[z + place]];
-            break;
-        }
-        case OP_KEY:
-            if (n != 0u && spent > budget && resumable != 0u) {
-                leave_off(at - 4u);
-                return;
+            case OP_PICK: {
+                uint place = uint(min(floor(r[a] * double(n)), double(n - 1u)));
+                r[target] = r[code[z + place]];
+                break;
             }
-            key = z == NONE ? own_key : mixed(own_key, z);
-            break;
-        case OP_MIX: key = mixed(key, to_word(r[a])); break;
-        case OP_UNIFORM: r[target] = draw_of(key); break;
-        case OP_ROW:
-            r[target] = data[z + (r[a] > 0.0lf ? uint(min(r[a], double(w - 1u))) : 0u)];
-            break;
-        case OP_MOVE: move_by(dvec3(r[a], r[b], r[c])); break;
-        case OP_TURN: rotate_by(z, r[a]); break;
-        case OP_ORIENT: orient_by(r[a], r[b], r[c], r[d]); break;
-        case OP_SCALE:
-            if (!(r[a] > 0.0lf)) trouble(TROUBLE_FACTOR);
-            r[slot_scale] *= r[a];
-            break;
-        case OP_MIRROR: r[slot_scale] = -r[slot_scale]; break;
-        case OP_LEVEL: level(); break;
-        case OP_SIZE: resize(dvec3(r[a], r[b], r[c])); break;
-        case OP_SLAB: if (!slab(z, r[a], r[b])) at = w; break;
-        case OP_ZERO: if (r[a] == 0.0lf) at = z; break;
-        case OP_SHOW: shown = r[a] != 0.0lf; break;
-        case OP_EMIT: {
-            bool drawn_here = draw(int(z), w, n, dvec3(r[a], r[b], r[c]));
+            case OP_KEY:
+                if (n != 0u && spent > budget && resumable != 0u) action = STOP;
+                else key = z == NONE ? own_key : mixed(own_key, z);
+                break;
+            case OP_MIX: key = mixed(key, to_word(r[a])); break;
+            case OP_UNIFORM: r[target] = draw_of(key); break;
+            case OP_ROW:
+                r[target] = data[z + (r[a] > 0.0lf ? uint(min(r[a], double(w - 1u))) : 0u)];
+                break;
+            case OP_MOVE: go_by(dvec3(r[a], r[b], r[c])); break;
+            case OP_TURN: rotate_by(z, r[a]); break;
+            case OP_ORIENT: orient_by(r[a], r[b], r[c], r[d]); break;
+            case OP_SCALE:
+                if (!(r[a] > 0.0lf)) trouble(TROUBLE_FACTOR);
+                r[slot_scale] *= r[a];
+                break;
+            case OP_MIRROR: r[slot_scale] = -r[slot_scale]; break;
+            case OP_LEVEL: level(); break;
+            case OP_SIZE: resize(dvec3(r[a], r[b], r[c])); break;
+            case OP_SLAB: if (!slab(z, r[a], r[b])) at = w; break;
+            case OP_ZERO: if (r[a] == 0.0lf) at = z; break;
+            case OP_SHOW: shown = r[a] != 0.0lf; break;
+            case OP_EMIT:
+                if (!draw(int(z), w, n, dvec3(r[a], r[b], r[c]))) action = STOP;
+                break;
+            case OP_CHILD:
+                if (!shown) break;
+                record = Record(z, following, key, rule, 1u, w, 0u, n, on_cpu(z));
 #ifdef PER_SEED
-            if (!drawn_here) {
-                leave_off(at - 4u);
-                return;
-            }
+                if (record.back) {
+                    if (worth_making(z)) action = MAKE;
+                } else if (depth >= stack_slots) {
+                    atomicMax(counts[COUNT_COPIES], 1u);
+                    action = STOP;
+                    break;
+                } else if (worth_making(z)) {
+                    action = CALL;
+                }
+#else
+                if (worth_making(z)) action = MAKE;
 #endif
-            break;
+                atomicAdd(counts[COUNT_SHAPES], 1u);
+                break;
+            case OP_RANGE:
+                if (!shown || !(r[a] > 0.0lf)) break;
+                record = Record(BLOCK | z, following, own_key, rule, uint(r[a]), w, 0u, n, false);
+                action = MAKE;
+                break;
+            case OP_COUNT: r[target] = copies_of(r[a]); break;
+            case OP_LOOP:
+                r[a] += 1.0lf;
+                if (!(r[a] < r[b])) break;
+                at = z;
+                if (n == 0u && spent > budget) {
+                    here = at;
+                    action = STOP;
+                }
+                break;
+            case OP_FETCH: r[target] = sampled(code[z], r[a], r[b]); break;
+            case OP_MEASURE: r[target] = measured(z); break;
+            case OP_EXTRUDE: extrude(r[a], data[z]); break;
+            case OP_FACES: r[target] = face_count(z); break;
+            case OP_FACE: face(z, r[a]); break;
+            case OP_CENTER: center(z, n != 0u); break;
+            case OP_FLIP: flip(z); break;
+            case OP_GEOMETRY: r[slot_geometry] = data[z]; break;
+            case OP_RULE: rule = z; break;
+            case OP_SHARE: share(z, r[a]); break;
+            case OP_TAKE:
+                if (taken == NONE) taken = z;
+                at = w;
+                break;
+            case OP_CHOOSE:
+                if (total > 1.0lf + 1e-9lf) trouble(TROUBLE_SHARES);
+                if (taken == NONE) {
+                    action = STAY;
+                    break;
+                }
+                at = code[z + 2u * taken];
+                rule = code[z + 2u * taken + 1u];
+                break;
+            case OP_JUMP: at = z; break;
+            case OP_DIFFER: r[target] = r[a] != r[b] ? 1.0lf : 0.0lf; break;
+            default: trouble(TROUBLE_GEOMETRY);
+            }
         }
-        case OP_CHILD:
-            if (!shown) break;
-#ifdef PER_SEED
-            if (depth >= stack_slots) atomicMax(counts[COUNT_COPIES], 1u);
-            if (depth >= stack_slots) {
-                leave_off(at - 4u);
+        if (given_up) return;
+        if (moves || spins) move_and_spin();
+        if (action == DONE) continue;
+        if (action == STAY) {  // the shape stays, with a key of its own, or is an error
+            if (steps == NONE && following < FINAL) {
+                trouble(TROUBLE_NO_PRODUCTION);
                 return;
             }
             atomicAdd(counts[COUNT_SHAPES], 1u);
-            if (!worth_making(z)) break;
-            for (uint place = 0u; place < n; place++) r[REGISTERS + place] = r[code[w + place]];
-            if (d == 0u) push(at);
-            at = called(z, key, n);
-            if (at == NONE) at = 0u;  // where an END stands
-#else
-            make(z, key, rule, w, 0u, n);
-#endif
-            break;
-        case OP_RANGE:
-            if (shown && r[a] > 0.0lf)
-                append(BLOCK | z, following, own_key, rule, uint(r[a]), w, 0u, n, false);
-            break;
-        case OP_COUNT: r[target] = copies_of(r[a]); break;
-        case OP_LOOP:
-            r[a] += 1.0lf;
-            if (r[a] < r[b]) {
-                at = z;
-                if (n == 0u && spent > budget) {
-                    leave_off(at);
-                    return;
-                }
-            }
-            break;
-        case OP_FETCH: r[target] = sampled(code[z], r[a], r[b]); break;
-        case OP_MEASURE: r[target] = measured(z); break;
-        case OP_EXTRUDE: extrude(r[a], data[z]); break;
-        case OP_FACES: r[target] = face_count(z); break;
-        case OP_FACE: face(z, r[a]); break;
-        case OP_ROTATE: rotate_scope(dvec3(r[a], r[b], r[c]), z); break;
-        case OP_FLIP: flip(z); break;
-        case OP_GEOMETRY: r[slot_geometry] = data[z]; break;
-        case OP_RULE: rule = z; break;
-        case OP_SHARE: share(z, r[a]); break;
-        case OP_TAKE:
-            if (taken == NONE) taken = z;
-            at = w;
-            break;
-        case OP_CHOOSE:
-            if (total > 1.0lf + 1e-9lf) trouble(TROUBLE_SHARES);
-            if (taken == NONE) {
-                at = none_taken(w);
+            record = Record(w, following, mixed(own_key, CHOICE_SITE), NONE, 1u, NONE, state_size,
+                            code[symbols + w * ENTRY + ENTRY_ARITY], on_cpu(w));
+            rule = NONE;
+            at = 0u;  // where an END stands
+            action = DONE;
+            if (worth_making(w)) {
 #ifdef PER_SEED
-                if (at != NONE) break;
-                if (depth > 0u) {
-                    at = pop(forks != 0u);
-                    break;
-                }
-                keep(0u, NONE);
+                d = 1u;
+                action = record.back ? MAKE : CALL;
+#else
+                action = MAKE;
 #endif
-                complete = true;
+            }
+        }
+#ifdef PER_SEED
+        if (action == MAKE && !append()) {
+            atomicAdd(counts[COUNT_SHAPES], NONE);  // it is counted when it is made
+            action = STOP;
+        } else if (action == MAKE) {
+            action = DONE;
+        }
+        if (action == STOP || (action == CALL && d == 0u)) push(action == STOP ? here : at);
+        if (action == STOP) {
+            keep(0u, depth);
+            keep(1u, sequence);
+            for (uint field = 0u; field < state_size; field++)
+                keep_number(2u + 2u * field, r[field]);
+            atomicAdd(counts[COUNT_RECORDS], 1u);
+            complete = true;
+            return;
+        }
+        if (action == CALL) {
+            own_key = record.key;
+            bool sound = true;
+            for (uint place = 0u; place < record.parameters; place++) {
+                uint from = record.list == NONE ? record.first + place : code[record.list + place];
+                r[REGISTERS + place] = r[from];
+                sound = sound && is_finite(r[from]);
+            }
+            for (uint place = 0u; place < record.parameters; place++)
+                r[state_size + place] = r[REGISTERS + place];
+            if (!sound) {
+                trouble(TROUBLE_NOT_FINITE);
                 return;
             }
-            at = code[z + 2u * taken];
-            rule = code[z + 2u * taken + 1u];
-            break;
-        case OP_JUMP: at = z; break;
-        case OP_DIFFER: r[target] = r[a] != r[b] ? 1.0lf : 0.0lf; break;
-        default: trouble(TROUBLE_GEOMETRY);
+            spent += record.parameters / 4u;
+            at = entered(record.entry, following);
+            if (at == NONE) at = 0u;
         }
-        if (given_up) return;
+        if (action == RETURN && depth == 0u) {
+            keep(0u, NONE);
+            complete = true;
+            return;
+        }
+        if (action == RETURN || action == RESUMED) at = pop(action == RETURN && forks != 0u);
+        if (action == RESUMED)
+            for (uint field = 0u; field < state_size; field++)
+                r[field] = kept_number(2u + 2u * field);
+#else
+        if (action == STOP) describe_rest(here);
+        if (action == MAKE || action == STOP) append();
+        if (action == RETURN || action == STOP) {
+            complete = true;
+            return;
+        }
+#endif
+        action = DONE;
     }
 }
-
 
 double queued(uint record, uint word) {
     return packDouble2x32(uvec2(queue[word * queue_rows + record],
@@ -355,9 +363,14 @@ void main() {
         r[place] = queued(record, HEADER + 2u * place);
     uint at;
 #ifdef PER_SEED
+    uint action = resuming != 0u ? RESUMED : DONE;
     if (resuming != 0u) {
-        at = resume();
+        depth = kept(0u);
+        sequence = kept(1u);
+        at = 0u;
     } else
+#else
+    uint action = DONE;
 #endif
     if ((entry & RESUME) != 0u) {
         following = generation;
@@ -381,6 +394,6 @@ void main() {
     if (at == NONE) keep(0u, NONE);
 #endif
     if (at == NONE) complete = true;
-    else if (!given_up) run(at);
+    else if (!given_up) run(at, action);
     if (complete) atomicAdd(counts[COUNT_ENDED], 1u);
 }
