@@ -36,6 +36,23 @@ SMALLER: dict[str, dict[str, int | float]] = {
 }
 GROUND = {"town": 120, "streets": 70, "city": 200}  # as large a square is enough
 RANDOM, CHUNK = 1000, 40
+SMALL = {
+    "a symbol in a hole moves the turtle": """
+        A --> repeat(i < 3) except (1) { B(i) f(2) } F
+        B(i) --> [F C] - C
+        C : 50% --> +(30)
+        C : else --> F +(20)
+        start A""",
+    "no production for a symbol in a hole": """
+        A --> repeat(i < 2) except (1) { B(i) f(2) } F
+        B(i) : i < 1 --> -
+        start A""",
+    "a symbol with interpret rules alone": """
+        A(n) : n > 0 --> [X(n)] [+(30) A(n - 1)]
+        A(n) : else --> X(2)
+        interpret X(n) --> F(n) F
+        start A(3) X(1)""",
+}
 
 
 def agreed(
@@ -67,6 +84,13 @@ def test_files_agree(path: Path, card: Device, tmp_path: Path) -> None:
     side = GROUND.get(path.stem)
     on = None if side is None else square(side, tmp_path)
     agreed(compile_file(path)[1], 3, attrs=SMALLER.get(path.stem), on=on)
+
+
+@pytest.mark.parametrize("name", SMALL)
+def test_what_once_differed_agrees(name: str, card: Device) -> None:
+    text = "\n".join(["ipm 1", *(line.strip() for line in SMALL[name].splitlines()), ""])
+    for seed in range(3):
+        assert agreed(compile_text(text)[1], seed, text) in ("gpu", "gpu+cpu", "error")
 
 
 @pytest.mark.parametrize("start", range(0, RANDOM, CHUNK))

@@ -174,7 +174,12 @@ void run(uint at, uint action) {
                 if (!draw(int(z), w, n, dvec3(r[a], r[b], r[c]))) action = STOP;
                 break;
             case OP_CHILD:
+#ifdef PER_SEED
+                // What stands in a hole is not there, but the turtle goes on behind it.
+                if (!shown && (forks != 0u || on_cpu(z))) break;
+#else
                 if (!shown) break;
+#endif
                 record = Record(z, following, key, rule, 1u, w, 0u, n, on_cpu(z));
 #ifdef PER_SEED
                 if (record.back) {
@@ -189,7 +194,7 @@ void run(uint at, uint action) {
 #else
                 if (worth_making(z)) action = MAKE;
 #endif
-                atomicAdd(counts[COUNT_SHAPES], 1u);
+                if (shown) atomicAdd(counts[COUNT_SHAPES], 1u);
                 break;
             case OP_RANGE:
                 if (!shown || !(r[a] > 0.0lf)) break;
@@ -242,7 +247,7 @@ void run(uint at, uint action) {
                 trouble(TROUBLE_NO_PRODUCTION);
                 return;
             }
-            atomicAdd(counts[COUNT_SHAPES], 1u);
+            if (shown) atomicAdd(counts[COUNT_SHAPES], 1u);
             record = Record(w, following, mixed(own_key, CHOICE_SITE), NONE, 1u, NONE, state_size,
                             code[symbols + w * ENTRY + ENTRY_ARITY], on_cpu(w));
             rule = NONE;
