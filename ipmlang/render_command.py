@@ -16,11 +16,12 @@ import click
 
 from ipmlang import options
 from ipmlang.compiler.diagnostics import fail
-from ipmlang.telling import show, working
+from ipmlang.telling import device_record, show, tell_notes, working
 
 if TYPE_CHECKING:
     from ipmlang import Grammar
     from ipmlang.formats.mesh_types import MeshScene
+    from ipmlang.runtime.gpu.table import Table
     from ipmlang.runtime.scene import Scene
 
 
@@ -103,10 +104,12 @@ def render_file(
     check_picture(output, turntable)
     pixels = None if size is None else parse_size(size)
     look = Look(pixels, parse_view(view), ground, parse_background(background), lines)
+    ran = "cpu"
     with working(f"reading {file.name}") as say:
         if file.suffix.lower() == ".ipm":
             grammar = load(file, allow_outside=allow_outside, style=style)
             derived = _derived(grammar, output, seed, settings, backend, limits)
+            ran = derived.backend
             seen = as_seen(derived)
         elif seed is not None or settings or limits or style or backend != "cpu":
             message = (
@@ -129,6 +132,8 @@ def render_file(
             "pictures": turntable or 1,
             "size": [across, down],
             "seconds": round(seconds, 6),
+            "backend": ran,
+            "device": device_record(ran),
         }
         click.echo(json.dumps(report))
     else:
@@ -143,20 +148,22 @@ def _derived(
     settings: tuple[str, ...],
     backend: str,
     limits: tuple[str, ...],
-) -> Scene:
-    """What a grammar derives."""
+) -> Scene | Table:
+    """What a grammar derives: a scene, or with a graphics card perhaps what lies there."""
     from ipmlang.arguments import keep_apart, parse_limits, parse_settings
+    from ipmlang.runtime import derive_table
 
     keep_apart([output], grammar.checked.loaded.paths)
     show(grammar.warnings)
-    scene = grammar.run(
-        seed=seed,
-        attrs=parse_settings(settings, grammar.program.attrs),
-        backend=backend,
-        limits=parse_limits(grammar.program.limits, limits),
-    )
-    for note in scene.notes:
-        click.echo(f"note: {note}", err=True)
+    attrs = parse_settings(settings, grammar.program.attrs)
+    most = parse_limits(grammar.program.limits, limits)
+    program = grammar.program
+    table = derive_table(program, seed=seed, attrs=attrs, backend=backend, limits=most)
+    if table is not None:
+        tell_notes(table.notes)
+        return table
+    scene = grammar.run(seed=seed, attrs=attrs, backend=backend, limits=most)
+    tell_notes(scene.notes)
     return scene
 
 

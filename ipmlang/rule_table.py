@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from ipmlang.compiler.ir import Production, Program
     from ipmlang.runtime.gpu.explain import Reason
 
+_STARTS = "what starts a derivation"
+_THREADS = "modules follow the turtle of those before them: all or none"
 _HEADINGS = ("rule", "line", "runs on", "because")
 
 
@@ -32,17 +34,22 @@ class RuleRow(TypedDict):
 
 def rule_rows(program: Program) -> list[RuleRow]:
     """A row for each alternative, and one for each further reason against it."""
+    from ipmlang.runtime.gpu.encode import calls_of
     from ipmlang.runtime.gpu.explain import reasons
 
     found = reasons(program)
     whole = [each for each in found if not each.rule]
-    rows = [_row(program, "start", program.axiom, "", "what starts a derivation")]
-    for production in program.productions:
-        name = program.symbols[production.symbol].name
+    threads = calls_of(program) == "threads"
+    rows: list[RuleRow] = []
+    for production in (program.axiom, *program.productions):
+        start = production.symbol < 0
+        name = "start" if start else program.symbols[production.symbol].name
         against = whole or [each for each in found if _is_about(each, name, production)]
         rows += [_row(program, name, production, each.operation, each.why) for each in against]
-        if not against:
-            rows.append(_row(program, name, production))
+        if against:
+            continue
+        why = _STARTS if start and not threads else _THREADS if threads and found else ""
+        rows.append(_row(program, name, production, "", why))
     return rows
 
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 import sys
 import time
-from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,7 +16,7 @@ import click
 
 from ipmlang import options
 from ipmlang.compiler.diagnostics import fail
-from ipmlang.telling import report_lines, show, working
+from ipmlang.telling import device_record, report_lines, show, tell_notes, working
 
 if TYPE_CHECKING:
     from ipmlang.runtime.scene import Scene
@@ -112,12 +111,6 @@ def run_file(
         click.echo(json.dumps(report))
 
 
-def tell_notes(notes: Iterable[str]) -> None:
-    """Print what a person should know but need not mend."""
-    for note in notes:
-        click.echo(f"note: {note}", err=True)
-
-
 def scene_lines(scene: Scene, output: Path) -> list[str]:
     """What `run` tells a person about what it wrote."""
     where = "" if scene.backend == "cpu" else f" on {scene.backend}"
@@ -137,20 +130,11 @@ def run_report(scene: Scene, seconds: float, writing: float, output: Path) -> di
         "peak_memory_bytes": peak_memory(),
         "seed": scene.seed,
         "backend": scene.backend,
-        "device": device_record(scene),
+        "device": device_record(scene.backend),
         "reports": {
             key: {"sum": total, "count": count} for key, (total, count) in scene.reports.items()
         },
     }
-
-
-def device_record(scene: Scene) -> dict[str, object] | None:
-    """Which card had a part in deriving a scene, None where it was numpy alone."""
-    if scene.backend == "cpu":
-        return None
-    from ipmlang.runtime.gpu.device import device
-
-    return device().info.record()
 
 
 def peak_memory() -> int:

@@ -1,4 +1,4 @@
-"""What every command tells: diagnostics as text or as records, and progress at a terminal.
+"""What every command tells: diagnostics as text or as records, notes, progress at a terminal.
 
 Takes diagnostics and phases of work; prints to standard error, or gives records for JSON. What a
 command found is its own to print.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 import click
@@ -56,6 +56,21 @@ def show(found: Sequence[Diagnostic]) -> None:
     """Print diagnostics to standard error."""
     for each in found:
         click.echo(render(each) + "\n", err=True)
+
+
+def tell_notes(notes: Iterable[str]) -> None:
+    """Print what a person should know but need not mend."""
+    for note in notes:
+        click.echo(f"note: {note}", err=True)
+
+
+def device_record(backend: str) -> dict[str, object] | None:
+    """Which graphics card had a part in a derivation as JSON, None where it was numpy alone."""
+    if backend == "cpu":
+        return None
+    from ipmlang.runtime.gpu.device import device
+
+    return device().info.record()
 
 
 class Say:

@@ -19,6 +19,7 @@ from ipmlang.compiler.ir import Limits, Program
 from ipmlang.runtime.scene import Scene
 
 if TYPE_CHECKING:
+    from ipmlang.runtime.gpu.table import Table
     from ipmlang.runtime.lineage import Lineage
     from ipmlang.runtime.replay import Replay
 
@@ -50,12 +51,58 @@ def derive(
     Raises IpmError for attributes that do not fit, limits reached, and numbers that are not finite;
     with `gpu` also where there is no card, where its memory is full or it fails.
     """
-    from ipmlang.runtime.bind import bind
-    from ipmlang.runtime.replay import Replay
-
     if backend not in BACKENDS:
         raise fail("no-such-backend", f"there is no back end `{backend}` here", hint=_BACKENDS_HINT)
     begun = time.process_time()
+    program, values, limits, replay = _bound(program, seed, attrs, limits, on)
+    if tell is not None:
+        obstacle = "its derivation tree was asked for"
+    else:
+        obstacle = "" if replay is None else "the choices it brings along are drawn again"
+    scene, notes = _on_gpu(program, values, seed or 0, limits, backend, obstacle)
+    if scene is None:
+        scene = _on_cpu(program, values, seed or 0, limits, tell, replay)
+    scene.notes = (*notes, *scene.notes)
+    scene.seconds = time.process_time() - begun
+    return scene
+
+
+def derive_table(
+    program: Program,
+    *,
+    seed: int | None = None,
+    attrs: Mapping[str, int | float | bool | str] | None = None,
+    backend: str = "gpu",
+    limits: Limits | None = None,
+) -> Table | None:
+    """The same on the graphics card alone, whose result stays there for pictures to be made of it;
+    None where the CPU has a part in it: then `derive` gives the scene, and says why.
+
+    Raises IpmError as `derive` does.
+    """
+    from ipmlang.runtime.gpu.attempt import attempt_table
+
+    if backend == "cpu":
+        return None
+    program, values, limits, replay = _bound(program, seed, attrs, limits, None)
+    if replay is not None:
+        return None
+    return attempt_table(program, values, seed or 0, limits, backend)
+
+
+def _bound(
+    program: Program,
+    seed: int | None,
+    attrs: Mapping[str, int | float | bool | str] | None,
+    limits: Limits | None,
+    on: Path | str | None,
+) -> tuple[Program, tuple[float, ...], Limits, Replay | None]:
+    """A program with what it starts on, values for its attributes, its limits, and the choices that
+    are drawn again.
+    """
+    from ipmlang.runtime.bind import bind
+    from ipmlang.runtime.replay import Replay
+
     if on is not None:
         from ipmlang.runtime.scopes.ground import standing_on
 
@@ -68,16 +115,7 @@ def derive(
     replay = None
     if seed is None and program.choices is not None:
         replay = Replay(program, program.choices, strict=not attrs)
-    if tell is not None:
-        obstacle = "its derivation tree was asked for"
-    else:
-        obstacle = "" if replay is None else "the choices it brings along are drawn again"
-    scene, notes = _on_gpu(program, values, seed or 0, limits, backend, obstacle)
-    if scene is None:
-        scene = _on_cpu(program, values, seed or 0, limits, tell, replay)
-    scene.notes = (*notes, *scene.notes)
-    scene.seconds = time.process_time() - begun
-    return scene
+    return program, values, limits, replay
 
 
 def _on_gpu(

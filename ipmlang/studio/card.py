@@ -25,6 +25,7 @@ Pixels = NDArray[np.uint8]
 Value: TypeAlias = "NDArray[np.float64] | tuple[float, ...] | float | bool"
 
 _SIDE = 4096  # pixels of an image on a surface: more are not seen in a picture
+COPY = 52  # bytes of a copy
 _COPIES = "4f 4f 4f 4f1/i", "row_x", "row_y", "row_z", "paint"
 
 
@@ -66,7 +67,9 @@ def bind(program: moderngl.Program, textures: Mapping[str, moderngl.Texture]) ->
 
 
 class Drawn:
-    """A surface on the card, ready for the programs that draw it: `surface`, `shadow`, `line`."""
+    """A surface on the card, ready for the programs that draw it: `surface`, `shadow`, `line`. Its
+    copies are its own, or lie in a buffer that others are in as well.
+    """
 
     def __init__(
         self,
@@ -80,32 +83,59 @@ class Drawn:
         self.images = images
         self.count = len(surface.matrix)
         self.programs = programs
-        copies = (context.buffer(_copy_table(surface)), *_COPIES)
-        corner_names = "position", "normal", "color", "uv"
-        corners = (context.buffer(_corner_table(surface)), "3f 4f2 4f1 2f", *corner_names)
-        index = context.buffer(surface.triangles.tobytes())
+        self.commands: moderngl.Buffer | None = None
+        self._context = context
+        self._corners = context.buffer(_corner_table(surface))
+        self._index = context.buffer(surface.triangles.tobytes())
+        self._ends = context.buffer(surface.edges.tobytes()) if len(surface.edges) else None
+        self._vertices = 2 * len(surface.edges)
+        self.take_copies(context.buffer(_copy_table(surface)))
+
+    def take_copies(self, buffer: moderngl.Buffer) -> None:
+        """Draw copies that lie in this buffer from now on, 52 bytes each."""
+        context, programs, copies = self._context, self.programs, (buffer, *_COPIES)
+        corners = (self._corners, "3f 4f2 4f1 2f", "position", "normal", "color", "uv")
         self.arrays = {
-            name: context.vertex_array(programs[name], [corners, copies], index, skip_errors=True)
+            name: context.vertex_array(
+                programs[name], [corners, copies], self._index, skip_errors=True
+            )
             for name in ("surface", "shadow")
         }
-        if len(surface.edges):
-            ends = (context.buffer(surface.edges.tobytes()), "3f", "position")
+        if self._ends is not None:
+            ends = (self._ends, "3f", "position")
             array = context.vertex_array(programs["line"], [ends, copies], skip_errors=True)
             self.arrays["line"] = array
+
+    def show(self, count: int, begin: int) -> None:
+        """Draw so many copies, those from `begin` on in their buffer. Needs OpenGL 4.3."""
+        self.count = count
+        triangles = [(3 * many, count, 3 * first, 0, begin) for first, many, _ in self.parts]
+        edges = [(self._vertices, count, 0, begin, 0)]
+        table = np.array([*triangles, *edges], np.uint32)
+        self.commands = self._context.buffer(table.tobytes())
 
     def draw(self, name: str) -> None:
         """Draw all copies with one of the programs, image by image."""
         program = self.programs[name]
-        for first, count, image in self.parts:
+        for number, (first, count, image) in enumerate(self.parts if self.count else ()):
             set_values(program, {"textured": image >= 0})
             if image >= 0:
                 bind(program, {"image": self.images[image]})
-            self.arrays[name].render(vertices=3 * count, first=3 * first, instances=self.count)
+            array = self.arrays[name]
+            if self.commands is not None:
+                array.render_indirect(self.commands, count=1, first=number)
+            else:
+                array.render(vertices=3 * count, first=3 * first, instances=self.count)
 
     def draw_edges(self, mode: int) -> None:
         """Draw the edges of all copies."""
-        if "line" in self.arrays:
-            self.arrays["line"].render(mode, instances=self.count)
+        array = self.arrays.get("line")
+        if array is None or not self.count:
+            return
+        if self.commands is not None:
+            array.render_indirect(self.commands, mode, count=1, first=len(self.parts))
+        else:
+            array.render(mode, instances=self.count)
 
 
 def image_on(context: moderngl.Context, material: Material) -> moderngl.Texture:

@@ -1,7 +1,8 @@
 """From a scene to picture files: one picture, or a turn around the model.
 
-Takes meshes or a derived scene and a `Look`; draws picture by picture and writes what is asked for,
-whole or not at all. A flat drawing is handed to the writer of drawings. Nothing is derived here.
+Takes meshes, a derived scene or what lies on the graphics card, and a `Look`; draws picture by
+picture and writes what is asked for, whole or not at all. A flat drawing is handed to the writer
+of drawings. Nothing is derived here.
 """
 
 from __future__ import annotations
@@ -20,14 +21,16 @@ from ipmlang.compiler.diagnostics import fail
 from ipmlang.formats import FormatError
 from ipmlang.formats.atomic import write_files
 from ipmlang.formats.mesh_types import MeshScene
-from ipmlang.studio.camera import fitted, orbit
+from ipmlang.studio.camera import Camera, fitted, orbit
 from ipmlang.studio.files import check_picture, contents
 from ipmlang.studio.lights import SKIES, lights
 from ipmlang.studio.look import Look
-from ipmlang.studio.surfaces import model_of
+from ipmlang.studio.surfaces import Model, model_of
 
 if TYPE_CHECKING:
+    from ipmlang.runtime.gpu.table import Table
     from ipmlang.runtime.scene import Scene
+    from ipmlang.studio.card_copies import CardCopies
 
 Pixels = NDArray[np.uint8]
 
@@ -37,7 +40,7 @@ _WORK = 12_000_000  # triangles that a picture may cost before it is made with f
 
 
 def draw(
-    seen: MeshScene | Scene,
+    seen: MeshScene | Scene | Table,
     look: Look,
     path: Path,
     count: int | None = None,
@@ -63,23 +66,29 @@ def draw(
         raise fail("cannot-write", error.message, hint=error.hint) from error
 
 
-def pictures_of(seen: MeshScene | Scene, look: Look, count: int | None = None) -> Iterator[Pixels]:
+def pictures_of(
+    seen: MeshScene | Scene | Table, look: Look, count: int | None = None
+) -> Iterator[Pixels]:
     """Pixels (height, width, 4) of one picture, or of each of `count` of a turn.
 
     A drawing is the same from all sides, and needs no OpenGL.
     """
     look = replace(look, size=look.pixels(count))
+    from ipmlang.runtime.scene import Scene
+
     seen = as_seen(seen)
-    if isinstance(seen, MeshScene):
+    if not isinstance(seen, Scene):
         return _pictures(seen, look, count)
     from ipmlang.studio.flat import flat_picture
 
     return repeat(flat_picture(seen, look), count or 1)
 
 
-def as_seen(seen: MeshScene | Scene) -> MeshScene | Scene:
-    """A derived scene as the model that is drawn, unless it is a drawing; models as they are."""
-    if isinstance(seen, MeshScene) or _is_drawing(seen):
+def as_seen(seen: MeshScene | Scene | Table) -> MeshScene | Scene | Table:
+    """A derived scene as the model that is drawn, unless it is a drawing; all else as it is."""
+    from ipmlang.runtime.scene import Scene
+
+    if not isinstance(seen, Scene) or _is_drawing(seen):
         return seen
     from ipmlang.runtime.export.models import mesh_scene_of
 
@@ -92,20 +101,40 @@ def _is_drawing(scene: Scene) -> bool:
     return scene.flat and all(asset.path.suffix.lower() in drawn for asset in scene.assets)
 
 
-def _pictures(scene: MeshScene, look: Look, count: int | None) -> Iterator[Pixels]:
+def _pictures(seen: MeshScene | Table, look: Look, count: int | None) -> Iterator[Pixels]:
     from ipmlang.studio.context import gl_context
     from ipmlang.studio.stage import Stage
 
-    model = model_of(scene, lines=look.lines)
-    wanted = _STANDING if count is None else _MOVING
-    passes = max(_LEAST, min(wanted, _WORK // (model.triangles * (2 + SKIES))))
-    size = look.pixels(count)
-    if count is None:
-        cameras = [fitted(model.outline, look.view, size)]
-    else:
-        cameras = orbit(model.outline, look.view, size, count)
     with gl_context() as context:
-        stage = Stage(context, model, look)
+        model, copies = _modelled(seen, look)
+        size = look.pixels(count)
+        if count is None:
+            cameras = [fitted(model.outline, look.view, size)]
+        else:
+            cameras = orbit(model.outline, look.view, size, count)
+        stage = Stage(context, model, look, copies)
+        passes = _passes(model, copies, cameras[0], look, count)
         for number, camera in enumerate(cameras):
             azimuth = look.view.azimuth + 360 * number / len(cameras)
             yield stage.picture(camera, lights(azimuth, passes))
+
+
+def _modelled(seen: MeshScene | Table, look: Look) -> tuple[Model, CardCopies | None]:
+    """The model, and the copies of what lies on the card."""
+    if isinstance(seen, MeshScene):
+        return model_of(seen, lines=look.lines), None
+    from ipmlang.studio.table_model import model_of_table
+
+    return model_of_table(seen, lines=look.lines)
+
+
+def _passes(
+    model: Model, copies: CardCopies | None, camera: Camera, look: Look, count: int | None
+) -> int:
+    """How often a picture is drawn: less often what has very many triangles."""
+    triangles = model.triangles
+    if copies is not None:
+        counts = copies.counts(camera, look.pixels(count)[0])
+        triangles = int((counts * copies.kinds.triangles).sum())
+    wanted = _STANDING if count is None else _MOVING
+    return max(_LEAST, min(wanted, _WORK // (max(triangles, 1) * (2 + SKIES))))

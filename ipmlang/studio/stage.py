@@ -1,7 +1,8 @@
 """A model on the graphics card, and pictures of it: many passes, each through a slightly different
 spot of every pixel and under other lights, added up.
 
-Takes a `Model` once and cameras one after the other; gives pixels. A pass draws what is seen, then
+Takes a `Model` once, perhaps copies that are made on the card for each camera, and cameras one
+after the other; gives pixels. A pass draws what is seen, then
 a shadow for each of its lights, then the light. The same model gives the same pixels each time.
 """
 
@@ -21,6 +22,8 @@ from ipmlang.studio.surfaces import Model
 if TYPE_CHECKING:
     import moderngl
 
+    from ipmlang.studio.card_copies import CardCopies
+
 Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
 
@@ -33,8 +36,15 @@ _TEN_BITS = 0x8059  # GL_RGB10_A2: fine enough for normals, and two bits for the
 class Stage:
     """What lies on the card; lives no longer than its context, which releases it."""
 
-    def __init__(self, context: moderngl.Context, model: Model, look: Look) -> None:
+    def __init__(
+        self,
+        context: moderngl.Context,
+        model: Model,
+        look: Look,
+        copies: CardCopies | None = None,
+    ) -> None:
         self.context = context
+        self.copies = copies
         self.model = model
         self.look = look
         self.size = look.pixels(None)
@@ -49,6 +59,8 @@ class Stage:
         }
         images = [image_on(context, each) for each in model.images]
         self.drawn = [Drawn(context, self.programs, each, images) for each in model.surfaces]
+        if copies is not None:
+            self.drawn += copies.drawn(self.programs, images)
         self.plain = {
             name: context.vertex_array(self.programs[name], [])
             for name in ("ground", "light", "finish")
@@ -57,6 +69,8 @@ class Stage:
 
     def picture(self, camera: Camera, lights: Lights) -> Pixels:
         """Pixels (height, width, 4) of the model, the upper row first."""
+        if self.copies is not None:
+            self.copies.see(camera, self.size[0])
         passes = len(lights.direction)
         turns = _turns(passes)
         self.sum.clear()

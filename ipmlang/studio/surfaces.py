@@ -7,6 +7,7 @@ that a model far from the origin, or very small, is drawn as well as any other.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -98,6 +99,19 @@ def model_of(scene: MeshScene, *, lines: bool = False) -> Model:
         (outline - middle) / size,
         sum(len(each.triangles) * len(each.matrix) for each in surfaces),
         any(_is_clear(each, library) for each in surfaces),
+    )
+
+
+def lone_surfaces(library: Library, meshes: Sequence[int]) -> tuple[Surface, ...]:
+    """Each of these meshes about its own middle, the longest side of its box 1, one copy of it."""
+    return tuple(_repeated(library, _lone(number), np.zeros(3), 1.0) for number in meshes)
+
+
+def _lone(number: int) -> _Copies:
+    """A mesh once, where it is and as it is."""
+    one, keeps_its_own = np.zeros(1, np.int64), -2
+    return _Copies(
+        one + number, np.eye(3, 4)[None], np.zeros((1, 4), np.uint8), one + keeps_its_own
     )
 
 

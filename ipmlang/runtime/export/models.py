@@ -29,8 +29,8 @@ from ipmlang.runtime.scene import OUTLINE, SCOPE, SEGMENT, SOLID, Scene
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
-_SIDES = 8
-_THIN = 1 / 200  # width of a segment whose pen sets none, as a share of the scene's extent
+CYLINDER_SIDES = 8
+THIN = 1 / 200  # width of a segment whose pen sets none, as a share of the scene's extent
 
 
 def mesh_scene_of(scene: Scene) -> MeshScene:
@@ -107,14 +107,14 @@ class _Model:
         width = np.where(np.isnan(table.width[rows]), self._default_width(), table.width[rows])
         scale = np.stack([length, width, width], axis=1)
         matrices = np.concatenate([axes * scale[:, None, :], matrices[:, :, 3:]], axis=2)
-        self._add(unit_cylinder(_SIDES), rows, matrices)
+        self._add(unit_cylinder(CYLINDER_SIDES), rows, matrices)
 
     def _default_width(self) -> float:
         table = self.scene.instances
         ends = table.position
         heading = frame_matrices(table, np.arange(len(table)))[:, :, 0] * table.size[:, :1]
         extent = float(np.ptp(np.concatenate([ends, ends + heading]), axis=0).max())
-        return extent * _THIN or 1.0
+        return extent * THIN or 1.0
 
     def _scopes(self, rows: Rows) -> None:
         """The box of each scope; a scope without extent draws nothing."""

@@ -14,6 +14,7 @@ from ipmlang.compiler import ir
 from ipmlang.compiler.diagnostics import IpmError
 
 if TYPE_CHECKING:
+    from ipmlang.runtime.gpu.table import Table
     from ipmlang.runtime.scene import Scene
 
 _TROUBLE = frozenset({"no-opengl", "gpu-memory", "gpu-failed"})
@@ -48,6 +49,25 @@ def attempt(
             raise
         return None, once(f"derived on the CPU: {first.message}")
     return scene, once(*notes)
+
+
+def attempt_table(
+    program: ir.Program, values: tuple[float, ...], seed: int, limits: ir.Limits, backend: str
+) -> Table | None:
+    """The same, the result left on the card; None where `attempt` or numpy must do it, which say
+    why. Raises IpmError as `attempt` does.
+    """
+    from ipmlang.runtime.gpu.device import device
+    from ipmlang.runtime.gpu.table import derive_table
+
+    try:
+        if backend == "auto" and device().is_software:
+            return None
+        return derive_table(program, values, seed, limits)
+    except IpmError as error:
+        if backend == "auto" and error.diagnostics[0].code in _TROUBLE:
+            return None
+        raise
 
 
 def cannot(why: str, backend: str) -> tuple[str, ...]:

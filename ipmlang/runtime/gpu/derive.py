@@ -66,6 +66,8 @@ class GpuFrontier(Frontier):
     the start aside.
     """
 
+    ordered = True  # whether it matters in which order things are made
+
     def __init__(self, calls: Calls, *args: object) -> None:
         super().__init__(*args)  # type: ignore[arg-type]
         self.ran = self.shared = False
@@ -95,7 +97,9 @@ class GpuFrontier(Frontier):
         batches = [((isa.RESUME | kind.encoded.axiom, 0), first)]
         machine = kind.machine(batches, ())
         try:
-            made = machine.run(kind.roots(batches), first.count, self.counted.most())
+            made = machine.run(
+                kind.roots(batches), first.count, self.counted.most(), ordered=self.ordered
+            )
         except TroubleError:  # nothing ran: numpy tells
             return
         self._take(made, first.numbers)
@@ -154,7 +158,9 @@ class GpuFrontier(Frontier):
             if all(symbol in deep.encoded.capable for (symbol, _), _ in batches):
                 kind = deep
         machine = kind.machine(batches, self._left)
-        made = machine.run(kind.roots(batches), len(numbers), self.counted.most())
+        made = machine.run(
+            kind.roots(batches), len(numbers), self.counted.most(), ordered=self.ordered
+        )
         self._is_deep = made.deep
         self._take(made, numbers)
 
