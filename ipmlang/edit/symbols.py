@@ -7,8 +7,9 @@ some symbols. Nothing is checked here: a tree may be half edited.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Hashable, Iterator
 from dataclasses import fields, is_dataclass, replace
+from functools import cache
 from typing import TypeAlias, TypeVar, assert_never, cast
 
 from ipmlang.compiler import ast
@@ -86,11 +87,19 @@ def nodes(tree: object) -> Iterator[object]:
         one = waiting.pop()
         if isinstance(one, ast.Comment | ast.Span):
             continue
-        if is_dataclass(one):
-            yield one
-            waiting += [getattr(one, each.name) for each in fields(one)]
-        elif isinstance(one, tuple):
+        if isinstance(one, tuple):
             waiting += one
+            continue
+        names = _field_names(cast("Hashable", type(one)))
+        if names is not None:
+            yield one
+            waiting += [getattr(one, name) for name in names]
+
+
+@cache
+def _field_names(kind: Hashable) -> tuple[str, ...] | None:
+    """The fields of the nodes of a kind; None where these are no nodes."""
+    return tuple(each.name for each in fields(kind)) if is_dataclass(kind) else None
 
 
 def used_names(tree: object) -> set[str]:

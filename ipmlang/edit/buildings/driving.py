@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal
 
 import numpy as np
 
@@ -19,15 +18,15 @@ from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import IpmError
 from ipmlang.compiler.format import format_expression
 from ipmlang.edit.arithmetic import literal, number_of
+from ipmlang.edit.buildings.deciding import Key, deciding
 from ipmlang.edit.buildings.forms import Forms
 from ipmlang.edit.buildings.soundness import came_apart, extents, runs_into
 from ipmlang.edit.buildings.tree import Tree, grown
 from ipmlang.edit.buildings.units import tolerance
 from ipmlang.edit.draft import Change, Draft, with_items, with_parameters
-from ipmlang.edit.places import Place, places
+from ipmlang.edit.places import Place
 from ipmlang.inverse.frames import Floats
 
-Key = tuple[Literal["shape", "terminal"], int]
 STEPS = 6  # of the secant
 TRIALS = 40  # parameters that are looked at, at most
 RATHER = 4.0  # times more than the size that a number may change
@@ -76,7 +75,7 @@ def driven(tree: Tree, aim: Aim) -> Draft | None:
 
 
 def _one(tree: Tree, aim: Aim, axis: int) -> Tree | None:
-    for number, knob in enumerate(_knobs(tree, aim.keys[0])):
+    for number, knob in enumerate(_knobs(tree, aim, axis)):
         if number >= TRIALS:
             return None
         found = _solved(tree, aim, axis, knob)
@@ -169,7 +168,7 @@ def size_of(tree: Tree, key: Key, axis: int) -> float | None:
 # ---------------------------------------------------------------------------- parameters
 
 
-def _knobs(tree: Tree, key: Key) -> Iterator[Knob]:
+def _knobs(tree: Tree, aim: Aim, axis: int) -> Iterator[Knob]:
     """The numbers that may decide: the lot, attributes and constants, rules from the shape up."""
     draft = tree.draft
     for number, item in enumerate(draft.grammar.items):
@@ -182,7 +181,8 @@ def _knobs(tree: Tree, key: Key) -> Iterator[Knob]:
                 yield _named(draft, number, item, value, item.type == "int")
         elif isinstance(item, ast.Const) and number_of(item.value) is not None:
             yield _constant(draft, number, item, float(number_of(item.value) or 0.0))
-    yield from _lengths(tree, key)
+    for number, found in deciding(tree, aim.keys[0], aim.others, axis):
+        yield _length(draft, number, found, float(number_of(found[1]) or 0.0))
 
 
 def _lot(draft: Draft, number: int, start: ast.Start) -> Iterator[Knob]:
@@ -265,25 +265,6 @@ def _constant(draft: Draft, number: int, item: ast.Const, value: float) -> Knob:
         return with_items(draft, {number: replace(item, value=made)}, [change])
 
     return Knob(item.name, value, put)
-
-
-def _lengths(tree: Tree, key: Key) -> Iterator[Knob]:
-    """The lengths in the rules above a shape, its own last."""
-    kind, own = key
-    keys = tree.lineage.key if kind == "shape" else tree.scene.instances.key
-    row = int(np.flatnonzero(keys == np.uint64(own))[0])
-    above = tree.above(int(tree.owner[row]) if kind == "terminal" else row)
-    rules = dict.fromkeys(tree.names[each] for each in above)
-    numbered = list(enumerate(places(tree.draft.grammar)))
-    for rule in rules:
-        for number, (place, expr) in numbered:
-            value = number_of(expr)
-            if place.rule == rule and value is not None and value > 0 and _is_length(place):
-                yield _length(tree.draft, number, (place, expr), value)
-
-
-def _is_length(place: Place) -> bool:
-    return place.kind == "length" or place.operation in ("size", "extrude", "translate", "offset")
 
 
 def _length(draft: Draft, number: int, found: tuple[Place, ast.Expr], value: float) -> Knob:

@@ -37,22 +37,15 @@ SQUARE = 1e-7  # how far axes may be off that are the same
 
 @dataclass(slots=True, eq=False)
 class Forms:
-    """The forms of one tree; rules: those that were made for them, by name; taken: names that are
-    not free.
-    """
+    """The forms of one tree; rules: those that were made for them, by name."""
 
     tree: Tree
     rules: dict[str, tuple[str, Elements]] = field(default_factory=dict)
-    taken: set[str] = field(default_factory=set)
+    _taken: set[str] = field(default_factory=set)
     _fitted: dict[object, str] = field(default_factory=dict)
     _filling: dict[int, bool] = field(default_factory=dict)
     _labels: dict[str, str] = field(default_factory=dict)
     baking: Baking | None = None
-
-    def __post_init__(self) -> None:
-        from ipmlang.compiler.ops import FUNCTIONS, OPERATIONS
-
-        self.taken |= taken_names(self.tree.draft.grammar) | set(OPERATIONS) | set(FUNCTIONS)
 
     # ---------------------------------------------------------------------------- asking
 
@@ -355,10 +348,14 @@ class Forms:
 
     def new_name(self, wish: str) -> str:
         """A name that nothing bears yet, taken from here on."""
+        from ipmlang.compiler.ops import FUNCTIONS, OPERATIONS
+
+        if not self._taken:
+            self._taken |= taken_names(self.tree.draft.grammar) | set(OPERATIONS) | set(FUNCTIONS)
         number, name = 2, wish
-        while name in self.taken or name in self.rules:
+        while name in self._taken or name in self.rules:
             name, number = f"{wish}_{number}", number + 1
-        self.taken.add(name)
+        self._taken.add(name)
         return name
 
 

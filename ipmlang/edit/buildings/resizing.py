@@ -18,7 +18,8 @@ from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail
 from ipmlang.edit.arithmetic import literal
 from ipmlang.edit.buildings.attachments import Attached, attach, settle, stretching, warped
-from ipmlang.edit.buildings.driving import Aim, Key, driven
+from ipmlang.edit.buildings.deciding import Key
+from ipmlang.edit.buildings.driving import Aim, driven
 from ipmlang.edit.buildings.forms import Forms, Unit
 from ipmlang.edit.buildings.rewriting import Placed, rewritten
 from ipmlang.edit.buildings.soundness import check_sound
