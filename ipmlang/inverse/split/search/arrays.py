@@ -163,7 +163,9 @@ def _even(along: Floats, error: float) -> Iterator[Integers]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Filled:
-    """Rows of points (k,) with the slices (k, d) they are in, and which cells of these are dense."""
+    """Rows of points (k,), the slices (k, d) that they are in, and which cells of these are not
+    empty.
+    """
 
     rows: Integers
     index: Integers

@@ -89,7 +89,7 @@ def boxes(draft: Draft) -> tuple[Floats, Floats]:
 
 
 def with_motif(draft: Draft, motif: Motif, shape: Figure) -> Draft:
-    """The draft in which a motif's occurrences are uses of one more rule, whose figure is `shape`."""
+    """The draft in which a motif's occurrences are uses of one more rule; shape: its figure."""
     body, symbol = draft.bodies, len(draft.figures)
     kept = np.ones(len(draft), np.bool_)
     kept[motif.rows.ravel()] = False

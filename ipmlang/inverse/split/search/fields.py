@@ -26,8 +26,9 @@ SAME = 4  # rows that may share a center
 @dataclass(frozen=True, slots=True, eq=False)
 class Field:
     """points: (n, 4, 3) probes; matrix: (n, 3, 4) of each row; tree: of centers and what must be
-    equal, that `apart`; begin (n + 1,), near: the neighbours of row i are near[begin[i]:begin[i + 1]]; images: of all
-    figures that have as many, `round` says how many each has and `number` which are its own.
+    equal, as numbers that are `apart`; begin (n + 1,), near: the neighbours of row i are
+    near[begin[i]:begin[i + 1]]; images: of all figures that have as many, `round` says how many
+    each has and `number` which are its own.
     """
 
     draft: Draft
@@ -100,9 +101,7 @@ def look_up_moved(
     return found.reshape(count, ways)
 
 
-def _near(
-    field: Field, center: Floats, key: Integers, error: float
-) -> tuple[Integers, Integers]:
+def _near(field: Field, center: Floats, key: Integers, error: float) -> tuple[Integers, Integers]:
     """Which of p centers have a row of their key close by, and which row: the nearest first."""
     spots = np.concatenate([center, field.apart * key[:, None]], axis=1)
     near = np.asarray(field.tree.query(spots, k=SAME, distance_upper_bound=error)[1])
