@@ -7,8 +7,9 @@ elsewhere.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -16,6 +17,8 @@ from ipmlang.compiler import ast
 from ipmlang.inverse.frames import Floats, Frames, turns
 from ipmlang.inverse.numbers import shortest
 from ipmlang.inverse.split.wording import NOTHING, Vector, all_nothing, bracket, call
+
+Said = TypeVar("Said")
 
 WHOLE = 1e-9  # degrees or shares that are nothing
 ROOM = 2.0  # times the error that an angle may be off which is then a round one
@@ -68,19 +71,28 @@ def spots(frames: Frames, precision: Precision, reach: float) -> list[Spot]:
     """A spot for every frame; reach: how far what is placed gets from its own origin."""
     error = precision.degrees(reach)
     angles = euler_angles(frames.rotation, max(WHOLE, ROOM * error))
-    found = []
-    for row in range(len(frames)):
-        a, b, c = (ast.Number(_angle(float(angle), error)) for angle in angles[row])
-        scale = shortest(float(frames.scale[row]), precision.ratio(reach))
-        found.append(
-            Spot(
-                precision.vector(frames.position[row]),
-                (a, b, c),
-                bool(frames.hand[row] < 0),
-                None if scale == 1 else ast.Number(scale),
-            )
+    places = _once_each(frames.position, precision.number)
+    turned = _once_each(angles, lambda angle: ast.Number(_angle(angle, error)))
+    scales = _once_each(frames.scale[:, None], lambda scale: _scale(scale, precision.ratio(reach)))
+    mirrored = (frames.hand < 0).tolist()
+    return [
+        Spot((x, y, z), (a, b, c), hand, scale)
+        for (x, y, z), (a, b, c), hand, (scale,) in zip(
+            places, turned, mirrored, scales, strict=True
         )
-    return found
+    ]
+
+
+def _once_each(table: Floats, said: Callable[[float], Said]) -> list[list[Said]]:
+    """What is said for the numbers of a table (n, c), equal ones said once."""
+    values, place = np.unique(table, return_inverse=True)
+    known = [said(value) for value in values.tolist()]
+    return [[known[each] for each in row] for row in place.reshape(table.shape).tolist()]
+
+
+def _scale(value: float, error: float) -> ast.Number | None:
+    scale = shortest(value, error)
+    return None if scale == 1 else ast.Number(scale)
 
 
 def _angle(angle: float, error: float) -> float:

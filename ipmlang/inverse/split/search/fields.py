@@ -167,9 +167,9 @@ def _neighbours(draft: Draft, center: Floats, apart: float) -> tuple[Integers, I
     touch = _touching(draft, center)
     first, second = np.concatenate([first, touch[0]]), np.concatenate([second, touch[1]])
     inside = (first != second) & (draft.body[first] == draft.body[second])
-    pairs = np.stack([first[inside], second[inside]], axis=1)
-    both = np.unique(np.concatenate([pairs, pairs[:, ::-1]]), axis=0)
-    return np.searchsorted(both[:, 0], np.arange(count + 1)), both[:, 1].astype(np.int64)
+    first, second = first[inside], second[inside]
+    both = np.unique(np.concatenate([first * count + second, second * count + first]))
+    return np.searchsorted(both, np.arange(count + 1) * count), both % count
 
 
 def _touching(draft: Draft, center: Floats) -> tuple[Integers, Integers]:
