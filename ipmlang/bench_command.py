@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from ipmlang.bench import Measured
     from ipmlang.runtime.gpu.device import Device
 
-_HEADINGS = ("task", "terminals", "cpu s", "gpu s", "first", "edited", "cpu M/s", "gpu M/s",
-             "gpu M tri/s", "gpu/cpu", "")  # fmt: skip
+_HEADINGS = ("task", "terminals", "cpu s", "gpu s", "first", "edited", "resident", "cpu M/s",
+             "gpu M/s", "gpu M tri/s", "cpu/gpu", "cpu/resident", "")  # fmt: skip
 _SMALL = 0.01
 
 Backend = Literal["cpu", "gpu"]
@@ -40,8 +40,15 @@ class Row:
 
     @property
     def ratio(self) -> float | None:
-        """How many times quicker the card is, if both were measured."""
+        """How many times quicker the card is, its table on the CPU too, if both were measured."""
         return None if self.cpu is None or self.gpu is None else self.cpu.best / self.gpu.best
+
+    @property
+    def resident_ratio(self) -> float | None:
+        """The same where the table stays on the card."""
+        if self.cpu is None or self.gpu is None or self.gpu.resident is None:
+            return None
+        return self.cpu.best / self.gpu.resident
 
     @property
     def remark(self) -> str:
@@ -56,7 +63,12 @@ class Row:
         """The same as JSON."""
         sides = {"cpu": self.cpu, "gpu": self.gpu}
         measured = {name: each.record() for name, each in sides.items() if each is not None}
-        return {"task": self.name, **measured, "ratio": self.ratio}
+        return {
+            "task": self.name,
+            **measured,
+            "ratio": self.ratio,
+            "resident_ratio": self.resident_ratio,
+        }
 
 
 @click.command("bench")
@@ -94,6 +106,9 @@ def bench(
     output: Path | None,
 ) -> None:
     """Measure how fast grammars are derived here. TASKs: facade, town, towers, tree, seeds.
+
+    Seconds are the best of several runs, `first` and `edited` (an attribute changed) apart; those
+    of the GPU end with the table of terminals in numpy, `resident` ones with it on the card.
 
     \b
     Example:
@@ -185,15 +200,17 @@ def _cells(row: Row) -> tuple[str, ...]:
         *("" if each is None else _short(each.best) for each in sides),
         _short(known.first),
         _short(known.edited),
+        _short(None if row.gpu is None else row.gpu.resident),
         *("" if each is None else _short(each.terminals_per_s / 1e6) for each in sides),
         "" if row.gpu is None else _short(row.gpu.triangles_per_s / 1e6),
-        "" if row.ratio is None else _short(row.ratio),
+        _short(row.ratio),
+        _short(row.resident_ratio),
         row.remark,
     )
 
 
-def _short(number: float) -> str:
-    return f"{number:.3g}"
+def _short(number: float | None) -> str:
+    return "" if number is None else f"{number:.3g}"
 
 
 def _write(output: Path, report: dict[str, object]) -> None:

@@ -36,6 +36,7 @@ LEAST = 0.5  # pixels that the largest side of a copy has in a picture, or chanc
 FEW = 2.0  # pixels across of a mesh that a box may stand for
 _ACROSS = 1 << 14  # work groups side by side
 _SURVEYORS = 256  # work groups that go over a whole table
+POINT = 16  # bytes of a point that a thread found
 WAYS = 24  # along which a table is measured at a time
 TERMINALS, KINDS, COLORS, COUNTS, OUTPUT = range(5)  # bindings
 
@@ -154,9 +155,10 @@ def survey(table: Table, kinds: Kinds, middle: Floats, ways: Floats) -> Survey:
     found = np.zeros(known + 1 + texts, np.int64)
     points = []
     for rows in table.parts:
-        groups = min(-(-rows.count // GROUP), _SURVEYORS)
+        most = card.limits.block_bytes // (GROUP * 2 * WAYS * POINT)
+        groups = max(1, min(-(-rows.count // GROUP), _SURVEYORS, most))
         counts = card.buffer(np.zeros(len(found), np.uint32).tobytes())
-        reaches = card.buffer(groups * GROUP * 2 * WAYS * 16)
+        reaches = card.buffer(groups * GROUP * 2 * WAYS * POINT)
         set_all(shader, {"kinds_known": known})
         shader["directions"].write(ways.astype(np.float32).tobytes())  # type: ignore[union-attr]
         bind_table(shader, table, rows, middle, 0.0)

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-COMMANDS = ("infer", "run", "check", "fmt")
+COMMANDS = ("infer", "run", "check", "fmt", "bench")
 
 FENCE = """\
 ipm 1

@@ -100,6 +100,7 @@ def test_bench_measures_both(
     for row in report["tasks"]:
         assert row["cpu"]["terminals"] == row["gpu"]["terminals"] > 0
         assert row["gpu"]["ran"] == "gpu"
+        assert row["gpu"]["resident"] > 0
         assert row["ratio"] == pytest.approx(row["cpu"]["best"] / row["gpu"]["best"])
 
 

@@ -160,6 +160,14 @@ def test_after_a_lost_context_comes_another(card: Device) -> None:
     fresh.buffer(4).release()
 
 
+def test_buffers_of_a_released_card_leave_those_of_the_next_alone(card: Device) -> None:
+    old = card.buffer(8)
+    release()
+    new = device().buffer(np.float64(2.5).tobytes())
+    old.release()
+    assert new.array(np.float64).tolist() == [2.5]
+
+
 def test_one_device_until_it_is_released(card: Device) -> None:
     assert device() is card
     release()

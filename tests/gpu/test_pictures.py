@@ -91,6 +91,13 @@ def test_lines_are_drawn_on_them(card: Device) -> None:
     assert_alike(WALL, look=replace(LOOK, lines=True))
 
 
+def test_what_lies_in_many_small_buffers(card: Device) -> None:
+    card.limits = replace(card.limits, block_bytes=1 << 17)
+    text = WALL.replace("box(12, 9, 0)", "box(120, 90, 0)")
+    assert len(table_of(text).parts) > 1
+    assert_alike(text)
+
+
 def test_segments_of_every_width(card: Device) -> None:
     assert_alike(TWIGS)
     assert_alike(TWIGS.replace("!(0.1 * n) ", ""))

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ipmlang.runtime.gpu.context import is_open
+
 if TYPE_CHECKING:
     import moderngl
 
@@ -67,6 +69,7 @@ class Storage:
             )
 
     def release(self) -> None:
-        """Give the memory back now."""
-        self.raw.release()
+        """Give the memory back now, if it did not go with its context."""
+        if is_open(self.raw.ctx):  # else its number may be that of a buffer of another context
+            self.raw.release()
         self.size = 0

@@ -21,7 +21,7 @@ from ipmlang.runtime.gpu.derive import GpuFrontier
 from ipmlang.runtime.gpu.device import Device, device
 from ipmlang.runtime.gpu.explain import reasons
 from ipmlang.runtime.gpu.isa import TERMINAL
-from ipmlang.runtime.gpu.machine import Made, Rows, TroubleError
+from ipmlang.runtime.gpu.machine import Made, Rows
 from ipmlang.runtime.gpu.words import Calls
 from ipmlang.runtime.scopes.joins import FIELD as JOIN
 from ipmlang.runtime.scopes.laying import FIELD as UV
