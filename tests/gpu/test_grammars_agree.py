@@ -43,6 +43,12 @@ SMALL = {
         C : 50% --> +(30)
         C : else --> F +(20)
         start A""",
+    "a symbol in a hole has holes of its own": """
+        A --> repeat(i < 3) except (1) { repeat(j < 2) { B(i + j) - } } F
+        B(n) : n > 0 --> repeat(k < 3) except (2) { f(k) F [C] } +(25) B(n - 1)
+        B(n) : else --> F
+        C --> repeat(k < 2) except (0) { F } F
+        start A F""",
     "no production for a symbol in a hole": """
         A --> repeat(i < 2) except (1) { B(i) f(2) } F
         B(i) : i < 1 --> -

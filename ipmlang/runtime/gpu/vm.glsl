@@ -45,11 +45,12 @@ bool complete;  // the thread came to an end: some drivers break loops off witho
 
 // A thread's part of the stack, word by word beside those of the others: how many frames there are
 // (NONE: it is done), how much it has made, its state, then frames: where to go on, the rule, the
-// generation of what it makes, both keys, whether anything is made, registers, and, where children
+// generation of what it makes, both keys, whether anything is there, registers, and, where children
 // fork, the state.
 
 uint thread_number;
 uint depth;
+bool absent;  // the whole shape stands in a hole, and nothing that it makes is there
 
 void keep(uint word, uint value) { stack[word * threads + thread_number] = value; }
 
@@ -72,7 +73,7 @@ void push(uint at) {
     keep(frame + 4u, own_key.y);
     keep(frame + 5u, key.x);
     keep(frame + 6u, key.y);
-    keep(frame + 7u, shown ? 1u : 0u);
+    keep(frame + 7u, (shown ? 1u : 0u) | (absent ? 2u : 0u));
     uint many = registers + (forks != 0u ? state_size : 0u);
     for (uint place = 0u; place < many; place++) {
         uint own = place < registers ? state_size + place : place - registers;
@@ -89,7 +90,8 @@ uint pop(bool with_state) {
     following = kept(frame + 2u);
     own_key = uvec2(kept(frame + 3u), kept(frame + 4u));
     key = uvec2(kept(frame + 5u), kept(frame + 6u));
-    shown = kept(frame + 7u) != 0u;
+    shown = (kept(frame + 7u) & 1u) != 0u;
+    absent = (kept(frame + 7u) & 2u) != 0u;
     uint many = registers + (with_state ? state_size : 0u);
     for (uint place = 0u; place < many; place++) {
         uint own = place < registers ? state_size + place : place - registers;
@@ -169,7 +171,11 @@ void run(uint at, uint action) {
             case OP_SIZE: resize(dvec3(r[a], r[b], r[c])); break;
             case OP_SLAB: if (!slab(z, r[a], r[b])) at = w; break;
             case OP_ZERO: if (r[a] == 0.0lf) at = z; break;
+#ifdef PER_SEED
+            case OP_SHOW: shown = r[a] != 0.0lf && !absent; break;
+#else
             case OP_SHOW: shown = r[a] != 0.0lf; break;
+#endif
             case OP_EMIT:
                 if (!draw(int(z), w, n, dvec3(r[a], r[b], r[c]))) action = STOP;
                 break;
@@ -280,6 +286,7 @@ void run(uint at, uint action) {
             return;
         }
         if (action == CALL) {
+            absent = !shown;
             own_key = record.key;
             bool sound = true;
             for (uint place = 0u; place < record.parameters; place++) {
@@ -345,6 +352,7 @@ void main() {
     copy_number = 0u;
     thread_number = number;
     depth = 0u;
+    absent = false;
     if (resuming != 0u && kept(0u) == NONE) {
         atomicAdd(counts[COUNT_ENDED], 1u);
         return;
