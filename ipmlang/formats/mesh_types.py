@@ -24,6 +24,7 @@ Alpha: TypeAlias = Literal["", "MASK", "BLEND"]
 
 UNCOLORED: Color = (0.8, 0.8, 0.8, 1.0)
 """What is shown where nothing says a colour."""
+FARTHEST = 1e100  # of a coordinate; products of three of them are still numbers
 _TOGETHER = 100_000  # corners of small meshes that are triangulated at a time
 
 Z_TO_Y = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
@@ -180,7 +181,7 @@ def without_bad_faces(mesh: Mesh) -> tuple[Mesh, tuple[Note, ...]]:
     corners apart, and notes that count them.
     """
     counts = np.diff(mesh.offsets)
-    finite = np.asarray(np.isfinite(mesh.vertices).all(axis=1))
+    finite = np.asarray((np.abs(mesh.vertices) <= FARTHEST).all(axis=1))
     bad = np.concatenate([[0], np.cumsum(~finite[mesh.corners])])
     lost = bad[mesh.offsets[1:]] > bad[mesh.offsets[:-1]]
     folded = np.zeros(len(counts), np.bool_)
@@ -190,7 +191,7 @@ def without_bad_faces(mesh: Mesh) -> tuple[Mesh, tuple[Note, ...]]:
     flat = (folded | (counts < 3)) & ~lost
     notes = []
     if lost.any():
-        message = "faces with a vertex without a value (not a number, or infinite) were left out"
+        message = "faces with a vertex without a value (not a number, or too large) were left out"
         notes.append(Note("bad-vertex", message, int(lost.sum())))
     if flat.any():
         message = "faces with fewer than three different corners were left out"
