@@ -269,9 +269,9 @@ def _place_words(place: ast.Place) -> list[str]:
 
 
 def _inline_table(table: ast.Table) -> list[str]:
-    """One row per line, in brackets only where a cell is more than a number or a text."""
+    """One row per line, in brackets only where a cell is more than a number, a text or a name."""
     cells = (cell for row in table.rows for cell in row)
-    plain = all(isinstance(cell, ast.Number | ast.Text) for cell in cells)
+    plain = all(isinstance(cell, ast.Number | ast.Text | ast.Name) for cell in cells)
     page = Page(f"table {table.name}({', '.join(table.columns)}) =")
     by_row: dict[int, list[ast.Comment]] = {}
     for index, comment in table.row_comments:

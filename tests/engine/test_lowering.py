@@ -145,6 +145,18 @@ def test_a_row_says_where_its_copy_stands() -> None:
         program("table T(x) = 1\ntranslate(a, b, c) --> F(a)\nstart repeat(at T) { F }\n")
 
 
+def test_rows_name_what_stands_in_their_place() -> None:
+    """As a table for each symbol; a table may be read as numbers besides."""
+    rows = "B, 1\n    A, 2\n    B, 3\n"
+    rules = "A --> F(1)\nB --> F(2)\n"
+    short = program(f"table T(shape, x) =\n    {rows}{rules}start repeat(at T) {{ f at.shape }}\n")
+    two = "table T(x) = 1 3\ntable U(x) = 2\n"
+    long = program(two + rules + "start repeat(at T) { f B } repeat(at U) { f A }\n")
+    assert dump(short) == dump(long).replace(" U x", " T x")
+    read = "start repeat(r in T) { [f(r.x) F] }\n"
+    assert program(f"table T(shape, x) = {rows}{rules}{read}").tables[0].columns == ("x",)
+
+
 def test_names_of_an_import_keep_apart(tmp_path: Path) -> None:
     (tmp_path / "roofs.ipm").write_text(
         "ipm 1\nattr pitch = 30\nconst k = 2\nHip(a) --> F(a * k) Ridge\nRidge --> [F(pitch)]\n"

@@ -7,6 +7,7 @@ record alone.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TypeAlias, assert_never
 
 from ipmlang.compiler import ast
@@ -33,7 +34,7 @@ from ipmlang.compiler.checking.operations import (
 )
 from ipmlang.compiler.diagnostics import nearest
 from ipmlang.compiler.ops import OPERATIONS
-from ipmlang.compiler.places import COLUMNS
+from ipmlang.compiler.places import AT, COLUMNS, PLACED, SHAPE
 
 _Element: TypeAlias = (
     ast.Module | ast.Bracket | ast.Repeat | ast.Split | ast.Block | ast.Each | ast.Assign
@@ -87,6 +88,11 @@ def _element(scope: Scope, element: _Element, certain: bool) -> None:
 
 def _module(scope: Scope, module: ast.Module, certain: bool) -> None:
     name, count = module.name, len(module.args)
+    row = scope.locals.get(AT)
+    if name == PLACED and isinstance(row, Row) and row.shapes and not count:
+        for shape in row.shapes:
+            _call(scope, replace(module, name=shape), False)
+        return
     local = scope.locals.get(name)
     if not count and isinstance(local, Slot):
         local.read = True
@@ -252,7 +258,10 @@ def _repeat(scope: Scope, repeat: ast.Repeat, certain: bool) -> None:
             columns = columns_of(scope, table, repeat.head.span)
             if places and columns is not None and set(COLUMNS).isdisjoint(columns):
                 _no_place(scope, repeat.head, columns)
-            inner = scope.inner(variable, Row(table, columns))
+            shapes = _shapes(scope, table, places)
+            if shapes and columns is not None:
+                columns = tuple(each for each in columns if each != SHAPE)
+            inner = scope.inner(variable, Row(table, columns, shapes))
             certain = False
         case _:
             assert_never(repeat.head)
@@ -265,6 +274,12 @@ def _repeat(scope: Scope, repeat: ast.Repeat, certain: bool) -> None:
     for step in repeat.steps:
         want(scope, step, "number", "a step of a `repeat`")
     check_body(inner, repeat.body, certain)
+
+
+def _shapes(scope: Scope, table: str, places: bool) -> tuple[str, ...]:
+    """The symbols that the rows of a table place."""
+    entry = scope.view.value(table) if places else None
+    return () if entry is None else entry.shapes
 
 
 def _no_place(scope: Scope, rows: ast.Rows, columns: Sequence[str]) -> None:

@@ -17,6 +17,7 @@ from ipmlang.compiler.checked import Sampled, SymbolEntry, ValueEntry
 from ipmlang.compiler.diagnostics import nearest
 from ipmlang.compiler.load import File, import_name
 from ipmlang.compiler.ops.record import ValueType
+from ipmlang.compiler.places import shapes_of
 from ipmlang.compiler.references import DRAWINGS, MESHES, PICTURES, Problem
 from ipmlang.compiler.styles import names_of, styles_of
 from ipmlang.compiler.types import ATTR_TYPES
@@ -251,7 +252,8 @@ def values_of(item: ast.Item, index: int) -> Iterable[tuple[str, ValueEntry]]:
             for name in names:
                 yield name, ValueEntry("asset", "asset", item=index)
         case ast.Table(name, columns=columns):
-            yield name, ValueEntry("table", columns=columns, item=index)
+            shapes = shapes_of(item)
+            yield name, ValueEntry("table", columns=columns, shapes=shapes, item=index)
         case ast.Surface(name):
             yield name, ValueEntry("surface", item=index)
         case ast.Field(name, kind=kind, nearest=exact):

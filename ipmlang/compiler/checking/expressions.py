@@ -40,10 +40,11 @@ class Slot:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A row of a table: its columns, None where they are unknown."""
+    """A row of a table: its columns, None where they are unknown; the symbols that rows place."""
 
     table: str
     columns: tuple[str, ...] | None
+    shapes: tuple[str, ...] = ()
 
 
 @dataclass(slots=True, eq=False)

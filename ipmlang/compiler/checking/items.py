@@ -29,6 +29,7 @@ from ipmlang.compiler.diagnostics import nearest
 from ipmlang.compiler.ops import CONSTANTS, FUNCTIONS, SETTINGS
 from ipmlang.compiler.ops.record import Param, ValueType
 from ipmlang.compiler.ops.settings import VERSIONS
+from ipmlang.compiler.places import SHAPE
 from ipmlang.compiler.types import ATTR_TYPES, NUMERIC, PHRASES, fits
 
 
@@ -289,8 +290,28 @@ def _table(scope: Scope, table: ast.Table) -> None:
             )
         seen.add(column)
     for row in table.rows:
-        for cell in row:
-            type_of(scope, cell)
+        for column, cell in zip(table.columns, row, strict=False):
+            if column == SHAPE:
+                _shape(scope, cell)
+            else:
+                type_of(scope, cell)
+
+
+def _shape(scope: Scope, cell: ast.Expr) -> None:
+    """A cell of the column of symbols: an asset, or a symbol with a rule that takes nothing."""
+    if not isinstance(cell, ast.Name):
+        message = "a shape is the name of an asset, or of a rule"
+        scope.findings.trouble(cell.span, "wrong-type", message)
+        return
+    entry, environment = scope.view.symbol(cell.id), scope.view.environment
+    if entry is None:
+        message = f"no asset and no rule is called `{cell.id}`"
+        known = list(environment.symbol_names())
+        near = environment.nearest("symbol", cell.id, known)
+        scope.findings.trouble(cell.span, "unknown-symbol", message, suggestions=near)
+    elif entry.kind not in ("asset", "broken") and 0 not in entry.arities:
+        message = f"`{cell.id}` takes arguments, and a shape in a table has none"
+        scope.findings.trouble(cell.span, "wrong-arguments", message)
 
 
 def _settings(

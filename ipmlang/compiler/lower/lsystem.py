@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import replace
 from typing import Protocol, assert_never
 
 from ipmlang.compiler import ast
@@ -17,7 +18,7 @@ from ipmlang.compiler.lower.names import Unit
 from ipmlang.compiler.lower.operands import form_for, operands
 from ipmlang.compiler.lower.split import Splitting, selector
 from ipmlang.compiler.ops import OPERATIONS, Operation
-from ipmlang.compiler.places import AT, way_to_place
+from ipmlang.compiler.places import AT, PLACED, way_to_place
 
 
 class Namer(Protocol):
@@ -29,8 +30,13 @@ class Namer(Protocol):
     def mark(self, name: str, close: bool) -> int | None:
         """The symbol of the opening or closing brace of an operation, None as above."""
 
-    def table(self, unit: Unit, name: str) -> tuple[int, tuple[str, ...], int] | None:
-        """Number, columns and row count of a table."""
+    def table(
+        self, unit: Unit, name: str, shape: str | None = None
+    ) -> tuple[int, tuple[str, ...], int] | None:
+        """Number, columns and row count of a table, or of its rows that place a symbol."""
+
+    def shapes(self, unit: Unit, name: str) -> tuple[str, ...]:
+        """The symbols that the rows of a table place."""
 
     def steps_table(self, steps: tuple[float, ...]) -> int:
         """The number of a table of the lengths of moves."""
@@ -52,6 +58,7 @@ class Body:
     def __init__(self, namer: Namer) -> None:
         self._namer = namer
         self._repeats = 0
+        self._shape: str | None = None  # what `at.shape` stands for
 
     def write(self, code: Code, elements: Sequence[ast.Element], names: Environment) -> None:
         """Append the elements to the code; what they `set` ends with them."""
@@ -100,6 +107,8 @@ class Body:
         return self._repeats - 1
 
     def _module(self, code: Code, module: ast.Module, names: Environment) -> None:
+        if module.name == PLACED and self._shape is not None:
+            module = replace(module, name=self._shape)
         record = self._namer.operation(code.unit, module.name)
         scoped = record is not None and bool(record.meaning)
         arity = len(form_for(record, module.args)) if record and scoped else len(module.args)
@@ -209,6 +218,16 @@ class Body:
                 self.write(code.block(), body, names)
 
     def _repeat(self, code: Code, repeat: ast.Repeat, names: Environment) -> None:
+        """Copies; where rows name the symbols in them, those of each symbol by themselves."""
+        head, before = repeat.head, self._shape
+        is_placing = isinstance(head, ast.Rows) and head.places
+        shapes = self._namer.shapes(code.unit, head.table) if is_placing else ()
+        for shape in shapes or ((None,) if is_placing else (before,)):
+            self._shape = shape
+            self._copies(code, repeat, names)
+        self._shape = before
+
+    def _copies(self, code: Code, repeat: ast.Repeat, names: Environment) -> None:
         number = self._number()
         copy = Load("index", number)
         own: dict[str, Binding] = dict(names)
@@ -228,7 +247,7 @@ class Body:
 
     def _rows(self, code: Code, rows: ast.Rows, copy: Load, names: dict[str, Binding]) -> Operand:
         """Bind a row's variable; the number of rows."""
-        found = self._namer.table(code.unit, rows.table)
+        found = self._namer.table(code.unit, rows.table, self._shape if rows.places else None)
         if found is None:
             raise code.error(rows.span, "unknown-table", f"there is no table `{rows.table}`")
         table, columns, count = found

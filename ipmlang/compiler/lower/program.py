@@ -22,6 +22,7 @@ from ipmlang.compiler.lower.sampling import context_files
 from ipmlang.compiler.lower.strings import Misplaced, Strings
 from ipmlang.compiler.lower.tables import Tables
 from ipmlang.compiler.ops import OPERATIONS, Operation
+from ipmlang.compiler.places import shapes_of
 
 SCOPE_FAMILIES = ("scope", "solid", "split")
 Key = tuple[int, str, int]  # the unit that defines it (0: none does), name, arity
@@ -163,12 +164,21 @@ class Lowering:
             self._give(number, *self._meanings.of(record, 0, half))
         return self._numbers[key]
 
-    def table(self, unit: Unit, name: str) -> tuple[int, tuple[str, ...], int] | None:
-        """Number, columns and row count of a table."""
+    def shapes(self, unit: Unit, name: str) -> tuple[str, ...]:
+        """The symbols that the rows of a table place."""
+        place = unit.find(name)
+        item = None if place is None else place.unit.grammar.items[place.item]
+        return shapes_of(item) if isinstance(item, ast.Table) else ()
+
+    def table(
+        self, unit: Unit, name: str, shape: str | None = None
+    ) -> tuple[int, tuple[str, ...], int] | None:
+        """Number, columns and row count of a table, or of its rows that place a symbol."""
         place = unit.find(name)
         if place is None or not isinstance(place.unit.grammar.items[place.item], ast.Table):
             return None
-        number = self._tables.number(place)
+        tables = self._tables
+        number = tables.number(place) if shape is None else tables.only(place, shape)
         return number, self._tables.data[number].columns, len(self._tables.data[number].rows)
 
     def steps_table(self, steps: tuple[float, ...]) -> int:

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from ipmlang.compiler import ast, ir
 from ipmlang.compiler.lower.expr import Code, Known, Pool
 from ipmlang.compiler.lower.names import Place
+from ipmlang.compiler.places import SHAPE, only, without_shapes
 
 Cell = float | str
 
@@ -21,6 +22,7 @@ class Tables:
     def __init__(self, pool: Pool) -> None:
         self._pool = pool
         self._numbers: dict[tuple[int, int], int] = {}
+        self._placed: dict[tuple[int, int, str], int] = {}
         self.data: list[ir.TableData] = []
 
     def number(self, place: Place) -> int:
@@ -31,6 +33,15 @@ class Tables:
             assert isinstance(item, ast.Table)
             self._numbers[key] = self._add(self._table(place, item))
         return self._numbers[key]
+
+    def only(self, place: Place, shape: str) -> int:
+        """The number of the rows of a table that place a symbol."""
+        key = (id(place.unit), place.item, shape)
+        if key not in self._placed:
+            item = place.unit.grammar.items[place.item]
+            assert isinstance(item, ast.Table)
+            self._placed[key] = self._add(self._table(place, only(item, shape)))
+        return self._placed[key]
 
     def steps(self, lengths: tuple[float, ...]) -> int:
         """A table of the moves between the copies of a repeat."""
@@ -52,6 +63,7 @@ class Tables:
         return len(self.data) - 1
 
     def _table(self, place: Place, item: ast.Table) -> ir.TableData:
+        item = item if SHAPE not in item.columns else without_shapes(item)
         if item.reference is not None:
             columns, rows = _read(place, item, item.reference)
         else:

@@ -17,9 +17,10 @@ from ipmlang.inverse.naming import Names
 from ipmlang.inverse.split.expansion import placements
 from ipmlang.inverse.split.measuring import in_cells, needing_size, reaches
 from ipmlang.inverse.split.placing import Precision, spots, steps_to
-from ipmlang.inverse.split.printing.items import Wording, item_elements
+from ipmlang.inverse.split.printing.items import Wording, copies_of, item_elements
 from ipmlang.inverse.split.printing.lifting import lifted
 from ipmlang.inverse.split.printing.naming import symbol_names
+from ipmlang.inverse.split.printing.schedules import arrangement
 from ipmlang.inverse.split.scheme import Rule, Scheme, Split, Terminal
 from ipmlang.inverse.split.wording import bracket, call
 
@@ -75,12 +76,28 @@ def rule_body(wording: Wording, number: int) -> tuple[ast.Element, ...]:
     body: list[ast.Element] = []
     if number in wording.sizing:
         body.append(call("size", *wording.sized[number]))
+    own = _scheduled(wording, number, rule, body)
     for k, item in enumerate(rule.items):
-        elements = item_elements(wording, number, k, item)
+        elements = own[k] if k in own else item_elements(wording, number, k, item)
         if isinstance(item, Split) and k < len(rule.items) - 1:
             elements = [bracket(elements)]
         body += elements
     return tuple(body) or (ast.Module("nil"),)
+
+
+def _scheduled(
+    wording: Wording, number: int, rule: Rule, body: list[ast.Element]
+) -> dict[int, list[ast.Element]]:
+    """The elements of items that only place copies, by item; those of all go to the body."""
+    found = (
+        {} if wording.one_by_one else {k: copies_of(wording, x) for k, x in enumerate(rule.items)}
+    )
+    copies = {k: each for k, each in found.items() if each is not None}
+    title = f"{wording.names[number]}_parts".lower()
+    made = arrangement(list(copies.values()), title, wording.given)
+    body += made.first
+    wording.tables += made.tables
+    return {k: list(own) for k, own in zip(copies, made.own, strict=True)}
 
 
 def _rule(wording: Wording, number: int) -> ast.Rule:

@@ -21,6 +21,7 @@ from ipmlang.inverse.frames import (
 from ipmlang.inverse.naming import Names
 from ipmlang.inverse.numbers import shortest
 from ipmlang.inverse.split.placing import Precision, Spot, placed, spots, steps_to
+from ipmlang.inverse.split.printing.schedules import Copies
 from ipmlang.inverse.split.printing.tables import cheapest
 from ipmlang.inverse.split.scheme import Array, Item, Octant, Place, Ring, Scheme, Split, Terminal
 from ipmlang.inverse.split.turning import axis_frame, first_around
@@ -95,6 +96,15 @@ def item_elements(wording: Wording, rule: int, number: int, item: Item) -> list[
 
 
 # ------------------------------------------------------------------------- copies
+
+
+def copies_of(wording: Wording, item: Item) -> Copies | None:
+    """What an item places as it is, wherever it likes; None for all else."""
+    if not isinstance(item, Place) or item.stretch is not None or item.anchors:
+        return None
+    found = spots(item.frames, wording.precision, float(wording.reach[item.symbol]))
+    inner = tuple(wording.symbol(item.symbol))
+    return Copies(wording.names[item.symbol], inner, tuple(found))
 
 
 def _place(wording: Wording, place: Place, scope: Floats) -> list[ast.Element]:

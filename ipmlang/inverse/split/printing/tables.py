@@ -56,17 +56,30 @@ def cheapest(
     """
     elements: list[ast.Element] = []
     tables: list[ast.Table] = []
-    for group in _groups(found):
-        layout = _layout(group)
-        if len(group) >= FEWEST and _row_tokens(group, layout) < sum(map(spot_tokens, group)):
-            rows = tuple(layout.cells(spot) for spot in group)
-            table = ast.Table(names.give(_title(name)), columns=layout.columns, rows=rows)
-            head = ast.Rows("at", table.name, places=True)
+    for group in grouped(found):
+        if pays(group):
+            element, table = tabled(group, inner, name, names)
             tables.append(table)
-            elements.append(ast.Repeat(head, _behind(layout.common, inner)))
+            elements.append(element)
         else:
             elements += [placed(spot, inner) for spot in group]
     return elements, tables
+
+
+def pays(group: Sequence[Spot]) -> bool:
+    """Whether a table of these spots is shorter than they are one by one."""
+    return len(group) >= FEWEST and tokens_of(group) < sum(map(spot_tokens, group))
+
+
+def tabled(
+    group: Sequence[Spot], inner: Sequence[ast.Element], name: str, names: Names
+) -> tuple[ast.Element, ast.Table]:
+    """A repeat over the table of a group, and the table."""
+    layout = layout_of(group)
+    rows = tuple(layout.cells(spot) for spot in group)
+    table = ast.Table(names.give(_title(name)), columns=layout.columns, rows=rows)
+    head = ast.Rows("at", table.name, places=True)
+    return ast.Repeat(head, _behind(layout.common, inner)), table
 
 
 def _behind(common: Spot, inner: Sequence[ast.Element]) -> tuple[ast.Element, ...]:
@@ -81,13 +94,13 @@ def _title(name: str) -> str:
     return things if plain else f"{stem(name)}_places"
 
 
-def _groups(found: Sequence[Spot]) -> list[list[Spot]]:
+def grouped(found: Sequence[Spot]) -> list[list[Spot]]:
     """Spots that one table could hold, those of each hand in the shortest of some ways."""
     groups: list[list[Spot]] = []
     for mirrored in (False, True):
         own = [spot for spot in found if spot.mirrored == mirrored]
         if own:
-            groups += min(_ways(own), key=lambda way: sum(map(_tokens, way)))
+            groups += min(_ways(own), key=lambda way: sum(map(tokens_of, way)))
     return groups
 
 
@@ -108,10 +121,10 @@ def _ways(own: list[Spot]) -> Iterator[list[list[Spot]]]:
         yield [*ranked[:count], *about.values()]
 
 
-def _tokens(group: Sequence[Spot]) -> int:
+def tokens_of(group: Sequence[Spot]) -> int:
     """Of a group, in rows or one by one."""
     alone = sum(map(spot_tokens, group))
-    return alone if len(group) < FEWEST else min(alone, _row_tokens(group, _layout(group)))
+    return alone if len(group) < FEWEST else min(alone, row_tokens(group, layout_of(group)))
 
 
 def spot_tokens(spot: Spot) -> int:
@@ -130,14 +143,14 @@ def _signs(values: Sequence[ast.Expr]) -> int:
     return sum(isinstance(each, ast.Number) and each.value < 0 for each in values)
 
 
-def _row_tokens(group: Sequence[Spot], layout: Layout) -> int:
+def row_tokens(group: Sequence[Spot], layout: Layout) -> int:
     """Tokens of copies that are rows of a table."""
     cells = [cell for spot in group for cell in layout.cells(spot)]
     common = _step_tokens(layout.common) + 2 * (layout.common.scale is not None)
     return HEAD + len(layout.columns) + len(cells) + _signs(cells) + common
 
 
-def _layout(group: Sequence[Spot]) -> Layout:
+def layout_of(group: Sequence[Spot]) -> Layout:
     """The shorter way to say what all have in common: behind the table, or in it."""
     varying = tuple(axis for axis in AXES if _differ([spot.place[axis] for spot in group]))
     common = [axis for axis in AXES if axis not in varying and not is_nothing(group[0].place[axis])]
@@ -149,7 +162,7 @@ def _layout(group: Sequence[Spot]) -> Layout:
     behind = _laid(group, varying, turns, scaled)
     if not common or scaled or (turns and common != list(turns)):
         return within
-    return min(behind, within, key=lambda each: _row_tokens(group, each))
+    return min(behind, within, key=lambda each: row_tokens(group, each))
 
 
 def _laid(
