@@ -51,9 +51,8 @@ def lots(count: int) -> Iterator[Box]:
     """Houses of a wall and 49 windows."""
     random = np.random.default_rng(1)
     for house in range(count // 50):
-        corner = np.round(
-            np.array([house % 25 * 20.0, house // 25 * 20, 0]) + random.uniform(0, 3, 3), 2
-        )
+        corner = np.array([house % 25 * 20.0, house // 25 * 20, 0])
+        corner = np.round(corner + random.uniform(0, 3, 3), 2)
         yield corner, np.array([15.0, 10, 15])
         for window in range(49):
             place = np.array([0.5 + 2 * (window % 7), -0.3, 0.5 + 2 * (window // 7)])
@@ -65,9 +64,8 @@ def groups(count: int) -> Iterator[Box]:
     random = np.random.default_rng(2)
     kinds = np.round(random.uniform([0.0] * 3 + [0.2] * 3, [3.0] * 3 + [1.0] * 3, (8, 5, 6)), 2)
     for group in range(count // 5):
-        corner = np.round(
-            np.array([group % 40 * 6.0, group // 40 * 6, 0]) + random.uniform(0, 2, 3), 2
-        )
+        corner = np.array([group % 40 * 6.0, group // 40 * 6, 0])
+        corner = np.round(corner + random.uniform(0, 2, 3), 2)
         for box in kinds[random.integers(8)]:
             yield corner + box[:3], box[3:]
 

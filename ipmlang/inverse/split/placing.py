@@ -87,7 +87,8 @@ def _once_each(table: Floats, said: Callable[[float], Said]) -> list[list[Said]]
     """What is said for the numbers of a table (n, c), equal ones said once."""
     values, place = np.unique(table, return_inverse=True)
     known = [said(value) for value in values.tolist()]
-    return [[known[each] for each in row] for row in place.reshape(table.shape).tolist()]
+    rows: list[list[int]] = place.reshape(len(table), table.shape[1]).tolist()
+    return [[known[each] for each in row] for row in rows]
 
 
 def _scale(value: float, error: float) -> ast.Number | None:
