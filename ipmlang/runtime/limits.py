@@ -26,6 +26,20 @@ UNITS = {
     "depth": "generations, one below the other",
     "memory": "bytes of memory",
 }
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """How much a derivation may still make: shapes, shapes and drawings together, generations in
+    all, bytes of memory.
+    """
+
+    shapes: int
+    drawn: int
+    generations: int
+    memory: int
+
+
 LONGEST = 8  # names in a trail, at each end
 
 
@@ -92,9 +106,16 @@ class Counted:
             memory=max(self._limits.memory - used, 0),
         )
 
-    def most(self) -> int:
-        """How many shapes may still be made."""
-        return max(self._limits.shapes - self.shapes - self.strung, 0)
+    def bounds(self) -> Bounds:
+        """What may still be made at once before one of these limits is reached."""
+        limits = self._limits
+        used = self.shapes * SHAPE_BYTES + self._drawings * DRAWING_BYTES
+        return Bounds(
+            max(limits.shapes - self.shapes - self.strung, 0),
+            max(2 * limits.shapes - self.shapes - self._drawings, 0),
+            min(limits.steps, limits.depth),
+            max(limits.memory - used, 0),
+        )
 
     def room(self, depth: int) -> int:
         """How many generations may still follow, and one more."""

@@ -94,5 +94,7 @@ def _derived(
     from ipmlang.runtime.gpu.explain import reasons
 
     found = reasons(program)
-    why = f": {found[0].rule}, line {found[0].line}: {found[0].why}" if found else ""
-    return None, (f"nothing of this grammar runs on the GPU{why}",)
+    if not found:
+        return None, ("derived on the CPU: the graphics card left this derivation to it",)
+    why = f"{found[0].rule}, line {found[0].line}: {found[0].why}"
+    return None, (f"nothing of this grammar runs on the GPU: {why}",)

@@ -23,7 +23,8 @@ from ipmlang.runtime.gpu.geometries import Geometries
 from ipmlang.runtime.gpu.isa import FINAL, HEADER, TERMINAL, Header, Terminal
 from ipmlang.runtime.gpu.leaves import places
 from ipmlang.runtime.gpu.loading import Batch, Loading
-from ipmlang.runtime.gpu.machine import Made, Rows, TroubleError
+from ipmlang.runtime.gpu.machine import Made, TroubleError
+from ipmlang.runtime.gpu.memory import Rows
 from ipmlang.runtime.gpu.words import Calls
 from ipmlang.runtime.numpy_backend import derived
 from ipmlang.runtime.order import Copies, Drawn, Record, Slot
@@ -54,7 +55,10 @@ def derive_gpu(
         kept.append(GpuFrontier(calls, *args))
         return kept[-1]
 
-    scene = derived(program, attrs, seed, limits, begin=begin)
+    try:
+        scene = derived(program, attrs, seed, limits, begin=begin)
+    except TroubleError:  # all of it is the CPU's
+        return None
     if scene is None or not any(each.ran for each in kept):
         return None
     scene.backend = "gpu+cpu" if kept[-1].shared else "gpu"
@@ -96,12 +100,7 @@ class GpuFrontier(Frontier):
         assert kind.encoded.axiom is not None
         batches = [((isa.RESUME | kind.encoded.axiom, 0), first)]
         machine = kind.machine(batches, ())
-        try:
-            made = machine.run(
-                kind.roots(batches), first.count, self.counted.most(), ordered=self.ordered
-            )
-        except TroubleError:  # nothing ran: numpy tells
-            return
+        made = machine.run(kind.roots(batches), self.counted.bounds(), ordered=self.ordered)
         self._take(made, first.numbers)
         self.ran = True
 
@@ -131,14 +130,19 @@ class GpuFrontier(Frontier):
             each.release()
 
     def _learn(self, found: TroubleError) -> None:
-        """The CPU derives the symbol that met trouble from now on, or all of them."""
+        """The CPU derives the symbol that met trouble from now on. Raises it where it is no
+        symbol's own, or no symbol is left: then numpy begins again, and knows what to say.
+        """
+        productions, symbols = self.program.productions, len(self.program.symbols)
+        symbol = found.blamed - len(productions) - 1
+        if found.blamed < len(productions):
+            symbol = productions[found.blamed].symbol
+        own = 0 <= symbol < symbols and symbol not in self._left
+        if found.bits != isa.Trouble.GEOMETRY or not own or len(self._left) == symbols - 1:
+            raise found
+        self._left.add(symbol)
         self._release()
         self.shared = True
-        geometry = found.bits == isa.Trouble.GEOMETRY
-        if geometry and found.rule < len(self.program.productions):
-            self._left.add(self.program.productions[found.rule].symbol)
-        else:
-            self._left.update(range(len(self.program.symbols)))
 
     # ----------------------------------------------------------------------- going there
 
@@ -158,15 +162,21 @@ class GpuFrontier(Frontier):
             if all(symbol in deep.encoded.capable for (symbol, _), _ in batches):
                 kind = deep
         machine = kind.machine(batches, self._left)
-        made = machine.run(
-            kind.roots(batches), len(numbers), self.counted.most(), ordered=self.ordered
-        )
+        made = machine.run(kind.roots(batches), self.counted.bounds(), ordered=self.ordered)
         self._is_deep = made.deep
         self._take(made, numbers)
 
     # ----------------------------------------------------------------------- coming back
 
     def _take(self, made: Made, numbers: NDArray[np.int32]) -> None:
+        """Note what a run made, and give its tables back to the card."""
+        try:
+            self._place(made, numbers)
+        finally:
+            for rows in (*made.terminals, *made.returned):
+                rows.storage.release()
+
+    def _place(self, made: Made, numbers: NDArray[np.int32]) -> None:
         """Note what a run made: drawings, shapes for the CPU, and where all of it stands."""
         if made.generations:
             self.generations = max(self.generations, made.generations)
@@ -192,13 +202,11 @@ class GpuFrontier(Frontier):
             if rows.count:
                 slots.append(self._drawn(rows, order[begin : begin + rows.count]))
             begin += rows.count
-            rows.storage.release()
         back = sum(rows.count for rows in made.returned)
         self.counted.make(made.shapes - back)
         for rows in made.returned:
             slots += self._back(rows, order[begin : begin + rows.count])
             begin += rows.count
-            rows.storage.release()
         assert begin == drawn + back
         owner = np.repeat(np.arange(len(numbers)), weights)
         self.order.records.append(Record(numbers, (Copies(weights, owner, slots),)))

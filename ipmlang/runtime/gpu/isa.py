@@ -74,6 +74,7 @@ class Trouble(IntEnum):
     COUNT = 32
     GEOMETRY = 64
     STACK = 128
+    LIMIT = 256
 
 
 class Header(IntEnum):
@@ -134,7 +135,7 @@ class Count(IntEnum):
     ENDED = 5
     SHAPES = 6
     GENERATION = 7
-    STOPPED = 8  # the rule at which trouble was met
+    STOPPED = 8  # the production or, beyond those and one more, the symbol that met trouble
     NOTES = 16
 
 

@@ -8,64 +8,50 @@ for it. TroubleError on the card gives the run up: numpy tells what is wrong.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.resources import files
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ipmlang.compiler.diagnostics import fail
+from ipmlang.compiler.diagnostics import IpmError, fail
 from ipmlang.runtime.gpu import functions, isa
 from ipmlang.runtime.gpu.device import Device
-from ipmlang.runtime.gpu.isa import HEADER, TERMINAL, Count, Header
+from ipmlang.runtime.gpu.isa import HEADER, TERMINAL, Count, Header, Trouble
+from ipmlang.runtime.gpu.memory import Memory, Rows
+from ipmlang.runtime.gpu.prefix import prefix_sums
 from ipmlang.runtime.gpu.storage import Storage
 from ipmlang.runtime.keys import CHOICE_SITE
+from ipmlang.runtime.limits import DRAWING_BYTES, SHAPE_BYTES, Bounds
 
 Words = NDArray[np.uint32]
-Floats = NDArray[np.float64]
 
 GROUP = 64  # threads of a work group
 SLICE = 1 << 20  # threads of one dispatch
-FEWEST = 1 << 12  # rows that a new table has room for
 NARROW = 256  # shapes that make so few others are better off with a thread for each
 DEEP = 64  # passes that were all so narrow, before what waits is given back
 GROWTH = 1.3  # room beyond what was needed last time
+MARGIN = 1.05  # room beyond what is known to be needed
+MOST = 1 << 31  # of what is counted in 32 bits, with all that threads add before they stop
 SOURCES = (
     "state.glsl", "frames.glsl", "scopes.glsl", "sampling.glsl", "making.glsl", "vm.glsl",
 )  # fmt: skip
+FILLED = (Count.RECORDS, Count.TERMINALS, Count.RETURNED)  # the counts of what passes fill
 BUDGET = 200_000  # instructions until a thread leaves off, and another dispatch goes on
 BUDGET_SOFTWARE = 1_500  # the same where an invocation ends silently after 65,535 turns of all its
 # loops, and every instruction takes a turn in each of those that it does not enter
 
 
 class TroubleError(Exception):
-    """The card met what only numpy can tell: bits of `isa.Trouble`, and the rule at which."""
+    """The card met what only numpy can tell: bits of `isa.Trouble`, and who is to blame: a
+    production, beyond those and one more a symbol, or NONE.
+    """
 
-    def __init__(self, bits: int, rule: int) -> None:
-        super().__init__(bits, rule)
+    def __init__(self, bits: int, blamed: int = isa.NONE) -> None:
+        super().__init__(bits, blamed)
         self.bits = bits
-        self.rule = rule
-
-
-@dataclass(slots=True, eq=False)
-class Rows:
-    """A table on the card, column by column: `width` words a row, room for `room` rows."""
-
-    storage: Storage
-    width: int
-    room: int
-    count: int = 0
-
-    def words(self, word: int) -> Words:
-        """One column of words (count,)."""
-        return self.storage.array(np.uint32, self.count, word * self.room * 4)
-
-    def numbers(self, word: int) -> Floats:
-        """A column of numbers (count,), the first of whose two words that is."""
-        both = np.empty((self.count, 2), np.uint32)
-        both[:, 0], both[:, 1] = self.words(word), self.words(word + 1)
-        return both.view(np.float64)[:, 0]
+        self.blamed = blamed
 
 
 @dataclass(slots=True, eq=False)
@@ -144,129 +130,148 @@ class Machine:
     per_seed = False
 
     def __init__(
-        self, device: Device, layout: Layout, code: Words, data: Floats, notes: int
+        self, device: Device, layout: Layout, code: Words, data: NDArray[np.float64], notes: int
     ) -> None:
         self.device = device
         self.layout = layout
+        self.notes = notes
+        self.memory = Memory(device)
         self._shader = device.compile(source(per_seed=self.per_seed), "vm")
         self._budget = BUDGET_SOFTWARE if device.is_software else BUDGET
-        self._code = device.buffer(code.tobytes())
-        self._data = device.buffer(data.tobytes())
-        self._counts = device.buffer((Count.NOTES + notes) * 4)
-        self.notes = notes
         self._ratio = 2.0  # records that a thread makes, as far as is known
-        self._spare: list[Rows] = []
+        try:
+            self._code = self.memory.buffer(code.tobytes())
+            self._data = self.memory.buffer(data.tobytes())
+            self._counts = self.memory.buffer((Count.NOTES + notes) * 4)
+        except BaseException:
+            self.release()
+            raise
 
     def release(self) -> None:
         """Give all memory on the card back, but for the tables of what was made."""
-        for rows in self._spare:
-            rows.storage.release()
-        for storage in (self._code, self._data, self._counts):
-            storage.release()
+        self.memory.release()
 
-    def run(self, roots: Words, copies: int, limit: int, *, ordered: bool = True) -> Made:
-        """Derive records (words, n) that stand for so many copies, until none waits that runs here.
-        More than `limit` shapes are trouble. Without `ordered` the tree stays empty.
+    def run(self, roots: Words, bounds: Bounds, *, ordered: bool = True) -> Made:
+        """Derive records (words, n) until none waits that runs here; more than the bounds allow is
+        trouble. Without `ordered` the tree stays empty. Whoever gets the tables releases them.
 
         Raises TroubleError, and IpmError where the card fails or is too small.
         """
         made = Made([], [], Tree(), 0, 0, np.zeros(self.notes, np.uint32))
-        first = self.rows(self.layout.record, roots.shape[1])
-        first.storage.write(roots)
-        first.count = first.room = roots.shape[1]
         counts = np.zeros(Count.NOTES + self.notes, np.uint32)
-        waiting = [_Waiting(first, 0, 0, copies)]
-        numbered, thin = first.count, 0
-        if ordered:
-            made.tree.note(first, 0)
+        waiting = self._roots(roots, made.tree if ordered else None)
+        numbered, thin = roots.shape[1], 0
         while waiting:
             each = waiting[-1]
-            many = min(each.copies - each.begin, SLICE)
-            rows, counts, many = self._pass(each, many, made, counts)
+            rows, counts, many = self._pass(each, min(each.copies - each.begin, SLICE), made,
+                                            counts, bounds)  # fmt: skip
+            check(bounds, counts, made)
             each.begin += many
             if each.begin >= each.copies:
                 waiting.pop()
                 self._done(each)
-            if int(counts[Count.SHAPES]) > limit:
-                raise TroubleError(0, int(counts[Count.STOPPED]))
             thin = thin + 1 if not waiting and 0 < rows.count < NARROW else 0
             if thin > DEEP and int(rows.words(Header.ENTRY).max()) < isa.BLOCK:
                 made.returned.append(rows)
                 made.deep = True
-            elif rows.count:
-                if ordered:
-                    made.tree.note(rows, each.depth + 1)
-                waiting.append(_Waiting(rows, numbered, each.depth + 1, int(counts[Count.COPIES])))
-                numbered += rows.count
-            else:
-                self._spare.append(rows)
+                break
+            if not rows.count:
+                self.memory.spare(rows)
+                continue
+            if ordered:
+                made.tree.note(rows, each.depth + 1)
+            waiting.append(_Waiting(rows, numbered, each.depth + 1, int(counts[Count.COPIES])))
+            numbered += rows.count
+            if numbered > MOST:
+                raise TroubleError(Trouble.COUNT)
+        return self._finished(made, counts)
+
+    def _roots(self, roots: Words, tree: Tree | None) -> list[_Waiting]:
+        """The first records, in as many queues as it takes."""
+        waiting: list[_Waiting] = []
+        most = self.memory.most(self.layout.record)
+        for begin in range(0, roots.shape[1], most):
+            part = roots[:, begin : begin + most]
+            rows = self.memory.rows(self.layout.record, part.shape[1], least=part.shape[1])
+            rows.storage.write(part)
+            rows.count = rows.room = part.shape[1]
+            if tree is not None:
+                tree.note(rows, 0)
+            copies = int(part[Header.COUNT].sum(dtype=np.uint64))
+            waiting.append(_Waiting(rows, begin, 0, copies))
+        return waiting
+
+    def _finished(self, made: Made, counts: Words) -> Made:
         made.shapes = int(counts[Count.SHAPES])
         made.generations = int(counts[Count.GENERATION])
         made.notes = counts[Count.NOTES :]
+        self.memory.hand_over([*made.terminals, *made.returned])
         return made
 
     # --------------------------------------------------------------------------- passes
 
     def _pass(
-        self, each: _Waiting, many: int, made: Made, before: Words
+        self, each: _Waiting, many: int, made: Made, before: Words, bounds: Bounds
     ) -> tuple[Rows, Words, int]:
         """Run so many copies of what waits, or fewer where they make too much: what they made, the
         counts after them, and how many they were.
         """
-        layout = self.layout
-        rows = self.rows(layout.record, int(many * self._ratio * GROWTH))
+        room, exact = int(many * self._ratio * GROWTH), False
         while True:
-            terminals = self.table(made.terminals, layout.terminal, many)
-            returned = self.table(made.returned, layout.record, 0)
-            rows.count = 0
-            counts = self._dispatch(each, many, rows, terminals, returned, before)
-            needed = int(counts[Count.RECORDS])
-            tables = ((terminals, Count.TERMINALS), (returned, Count.RETURNED))
-            full = [each for each, word in tables if each.count + int(counts[word]) > each.room]
-            if needed <= rows.room and not full:
+            rows = self.memory.guessed(self.layout.record, room)
+            fills = self._fills(made, many, rows)
+            counts = self._dispatch(each, many, fills, before, limits(bounds, made))
+            needs = tuple(int(counts[word]) for word in FILLED)
+            pairs = tuple(zip(fills, needs, strict=True))
+            short = [pair for pair in pairs if pair[0].count + pair[1] > pair[0].room]
+            if not short:
                 break
-            halved = False
-            for width, need in (
-                (layout.record, needed), (layout.terminal, int(counts[Count.TERMINALS])),
-                (layout.record, int(counts[Count.RETURNED])),
-            ):  # fmt: skip
-                if need > self._most(width):
-                    halved = True
-            if halved:
+            self.memory.spare(rows)
+            if exact or any(need > self.memory.most(table.width) for table, need in short):
                 if many == 1:
-                    raise self.device.too_large(needed * layout.record * 4)
-                many = max(many // 2, 1)
-            if needed > rows.room and not halved:
-                rows.storage.release()
-                rows = self.rows(layout.record, int(needed * 1.05) + 1)
-            if terminals in full:
-                self.table(made.terminals, layout.terminal, int(counts[Count.TERMINALS]), new=True)
-            if returned in full:
-                self.table(made.returned, layout.record, int(counts[Count.RETURNED]), new=True)
-        self._ratio = max(0.7 * self._ratio, needed / many)
-        rows.count = needed
-        terminals.count += int(counts[Count.TERMINALS])
-        returned.count += int(counts[Count.RETURNED])
+                    raise self._too_small(short)
+                many, exact = many // 2, False
+                room = int(needs[0] / 2 * GROWTH)
+                continue
+            room, exact = int(needs[0] * MARGIN) + 1, True
+            for tables, pair in zip((made.terminals, made.returned), pairs[1:], strict=True):
+                if pair in short:
+                    self.memory.another(tables, pair[0].width, pair[1])
+        self._ratio = max(0.7 * self._ratio, needs[0] / many)
+        for table, need in pairs:
+            table.count += need
         return rows, counts, many
 
+    def _fills(self, made: Made, many: int, rows: Rows) -> tuple[Rows, Rows, Rows]:
+        """What so many threads fill: records, terminals, returned shapes."""
+        terminals = self.memory.filling(made.terminals, self.layout.terminal, many)
+        return rows, terminals, self.memory.filling(made.returned, self.layout.record, 0)
+
+    def _too_small(self, short: Sequence[tuple[Rows, int]]) -> IpmError:
+        """The error of one copy that makes more than a table can have."""
+        return self.device.too_large(max(4 * rows.width * need for rows, need in short))
+
     def _dispatch(
-        self, each: _Waiting, many: int, rows: Rows, terminals: Rows, returned: Rows, before: Words
-    ) -> Words:
+        self, each: _Waiting, many: int, fills: tuple[Rows, Rows, Rows], before: Words,
+        bounded: Mapping[str, int],
+    ) -> Words:  # fmt: skip
         """One pass; the counts after it."""
         whole = each.copies == each.rows.count
         if not whole and each.offsets is None:
-            begins = np.cumsum(each.rows.words(Header.COUNT), dtype=np.uint64)
-            offsets = np.concatenate([[0], begins[:-1]]).astype(np.uint32)
-            each.offsets = self.device.buffer(offsets.tobytes())
+            each.offsets = prefix_sums(
+                self.device, each.rows.storage, Header.COUNT * each.rows.room, each.rows.count,
+                self.memory.buffer, self.memory.free,
+            )  # fmt: skip
+        rows, terminals, returned = fills
         uniforms = {
             "records": each.rows.count, "queue_rows": each.rows.room, "next_rows": rows.room,
             "terminal_first": terminals.count, "terminal_rows": terminals.room,
             "returned_first": returned.count, "returned_rows": returned.room,
             "first_record": each.first, "first_thread": each.begin, "threads": many,
-            "whole": int(whole),
+            "whole": int(whole), **bounded,
         }  # fmt: skip
-        tables = (each.rows.storage, rows.storage, terminals.storage, returned.storage)
-        return self.dispatch(uniforms, tables, each.offsets or self._counts, many, before)
+        storages = (each.rows.storage, *(table.storage for table in fills))
+        return self.dispatch(uniforms, storages, each.offsets or self._counts, many, before)
 
     def dispatch(
         self, uniforms: Mapping[str, int], tables: tuple[Storage, ...], last: Storage, many: int,
@@ -292,41 +297,33 @@ class Machine:
             raise fail("gpu-failed", message, hint="derive on the CPU: --backend cpu")
         return counts
 
-    # --------------------------------------------------------------------------- tables
-
-    def _most(self, width: int) -> int:
-        """The most rows that a table can have room for."""
-        return self.device.limits.block_bytes // (4 * width)
-
-    def rows(self, width: int, room: int) -> Rows:
-        """A queue, one that was used before if there is a large one."""
-        room = min(max(room, FEWEST), self._most(width))
-        for place, rows in enumerate(self._spare):
-            if rows.width == width and room <= rows.room <= 4 * room:
-                return self._spare.pop(place)
-        return Rows(self.device.buffer(width * room * 4), width, room)
-
-    def table(self, tables: list[Rows], width: int, room: int, *, new: bool = False) -> Rows:
-        """The table that is filled now, a new one with room for so many rows where that is asked
-        for, or where there is none.
-        """
-        if tables and not new:
-            return tables[-1]
-        if tables and not tables[-1].count:
-            tables.pop().storage.release()
-        seen = sum(rows.count for rows in tables)
-        room = min(max(int(room * 1.05), seen // 2, FEWEST), self._most(width))
-        tables.append(Rows(self.device.buffer(width * room * 4), width, room))
-        return tables[-1]
-
     def _done(self, each: _Waiting) -> None:
         """A queue that is derived is free for another one."""
         if each.offsets is not None:
-            each.offsets.release()
-        self._spare.append(each.rows)
-        if len(self._spare) > 4:
-            self._spare.sort(key=lambda rows: rows.room)
-            self._spare.pop(0).storage.release()
+            self.memory.free(each.offsets)
+        self.memory.spare(each.rows)
+
+
+def limits(bounds: Bounds, made: Made) -> dict[str, int]:
+    """What the bounds leave, as threads check it: how many shapes in all, how many terminals in one
+    dispatch, how many generations.
+    """
+    drawn = sum(rows.count for rows in made.terminals)
+    terminals = min(bounds.drawn, bounds.memory // DRAWING_BYTES) - drawn
+    return {
+        "most_shapes": min(bounds.shapes, bounds.memory // SHAPE_BYTES, MOST),
+        "most_terminals": min(max(terminals, 0), MOST),
+        "most_generations": min(bounds.generations, isa.FINAL - 1),
+    }
+
+
+def check(bounds: Bounds, counts: Words, made: Made) -> None:
+    """Trouble where shapes and drawings together are more than the bounds allow."""
+    shapes = int(counts[Count.SHAPES])
+    drawn = sum(rows.count for rows in made.terminals)
+    memory = shapes * SHAPE_BYTES + drawn * DRAWING_BYTES
+    if shapes > bounds.shapes or shapes + drawn > bounds.drawn or memory > bounds.memory:
+        raise TroubleError(Trouble.LIMIT)
 
 
 def source(*, per_seed: bool = False) -> str:

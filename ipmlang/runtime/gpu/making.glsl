@@ -74,7 +74,9 @@ bool draw(int asset, uint symbol, uint kind, dvec3 given) {
         trouble(TROUBLE_NOT_FINITE);
         return true;
     }
-    uint row = terminal_first + atomicAdd(counts[COUNT_TERMINALS], 1u);
+    uint drawn = atomicAdd(counts[COUNT_TERMINALS], 1u);
+    if (drawn >= most_terminals) trouble(TROUBLE_LIMIT);
+    uint row = terminal_first + drawn;
     if (row >= terminal_rows) return false;
     uint number = sequence++;
     terminals[TERMINAL_PARENT * terminal_rows + row] = node;
@@ -117,6 +119,6 @@ double copies_of(double limit) {
         return 0.0lf;
     }
     double found = ceil(limit - 1e-9lf * max(1.0lf, abs(limit)));
-    if (found > 5e7lf) trouble(TROUBLE_COUNT);
+    if (found > double(most_shapes)) trouble(TROUBLE_LIMIT);
     return max(found, 0.0lf);
 }

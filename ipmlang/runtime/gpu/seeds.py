@@ -7,12 +7,19 @@ goes on where it stopped, so nothing is derived twice. The stacks lie side by si
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
-from ipmlang.runtime.gpu.isa import HEADER, Count
-from ipmlang.runtime.gpu.machine import Machine, Made, Rows, Tree, TroubleError
+from ipmlang.compiler.diagnostics import IpmError
+from ipmlang.runtime.gpu import machine
+from ipmlang.runtime.gpu.isa import HEADER, Count, Trouble
+from ipmlang.runtime.gpu.machine import Machine, Made, Tree, TroubleError, check, limits
+from ipmlang.runtime.gpu.memory import Rows, is_full
 from ipmlang.runtime.gpu.storage import Storage
+from ipmlang.runtime.limits import Bounds
 
 Words = NDArray[np.uint32]
 
@@ -21,32 +28,53 @@ FRAME = 8  # words of a frame before its numbers
 STATUS = 2  # words of a stack before its state
 
 
+@dataclass(slots=True, eq=False)
+class _Threads:
+    """Threads that run side by side: their records, the number of the first, how many frames each
+    stack has room for, and the stacks.
+    """
+
+    rows: Rows
+    first: int
+    slots: int
+    stack: Storage
+
+
 class Seeds(Machine):
     """The same machine, whose children are calls."""
 
     per_seed = True
 
-    def run(self, roots: Words, copies: int, limit: int, *, ordered: bool = True) -> Made:
-        """Derive records (words, n) whole. More than `limit` shapes are trouble.
+    def run(self, roots: Words, bounds: Bounds, *, ordered: bool = True) -> Made:
+        """Derive records (words, n) whole; more than the bounds allow is trouble.
 
         Raises TroubleError, and IpmError where the card fails or is too small.
         """
         made = Made([], [], Tree(), 0, 0, np.zeros(self.notes, np.uint32))
         counts = np.zeros(Count.NOTES + self.notes, np.uint32)
-        most = max(1, self.device.limits.block_bytes // (4 * self._stack_words(SLOTS)))
-        for begin in range(0, roots.shape[1], most):
-            part = np.ascontiguousarray(roots[:, begin : begin + most])
-            rows = self.rows(self.layout.record, part.shape[1])
-            rows.room = rows.count = part.shape[1]
-            rows.storage.write(part)
+        begin, many = 0, min(machine.SLICE, self._room())
+        while begin < roots.shape[1]:
+            part = roots[:, begin : begin + many]
+            marks = _mark(made.terminals), _mark(made.returned)
+            try:
+                rows, counts = self._part(part, begin, made, counts, bounds)
+            except TroubleError as found:
+                if found.bits != Trouble.STACK or part.shape[1] == 1:
+                    raise
+                self._back(made.terminals, marks[0])
+                self._back(made.returned, marks[1])
+                many = part.shape[1] // 2
+                continue
             if ordered:
                 made.tree.note(rows, 0)
-            counts = self._whole(rows, begin, made, counts, limit)
-            rows.storage.release()
-        made.shapes = int(counts[Count.SHAPES])
-        made.generations = int(counts[Count.GENERATION])
-        made.notes = counts[Count.NOTES :]
-        return made
+            self.memory.spare(rows)
+            begin += part.shape[1]
+        return self._finished(made, counts)
+
+    def _room(self) -> int:
+        """How many threads one block has room for."""
+        words = max(self._stack_words(SLOTS), self.layout.record)
+        return max(1, self.memory.most(words))
 
     def _stack_words(self, slots: int) -> int:
         """Words of the stack of one thread."""
@@ -58,52 +86,99 @@ class Seeds(Machine):
         state = layout.state if layout.uniforms["forks"] else 0
         return FRAME + 2 * (layout.uniforms["registers"] + state)
 
-    def _whole(self, rows: Rows, first: int, made: Made, counts: Words, limit: int) -> Words:
-        """Run some threads to their end; the counts after it."""
-        slots, many = SLOTS, rows.count
-        stack = self.device.buffer(4 * many * self._stack_words(slots))
-        unused = self.rows(HEADER, 1)
-        more = {"stack_slots": slots, "frame_words": self._frame, "resuming": 0}
+    def _part(
+        self, part: Words, begin: int, made: Made, counts: Words, bounds: Bounds
+    ) -> tuple[Rows, Words]:
+        """Run some threads to their end: their records, and the counts after them."""
+        many = part.shape[1]
+        rows = self.memory.rows(self.layout.record, many, least=many)
+        rows.storage.write(part)
+        rows.count = rows.room = many
+        unused = self.memory.rows(HEADER, 1)
+        stack = self._stack(many, SLOTS)
+        threads = _Threads(rows, begin, SLOTS, stack)
+        try:
+            counts = self._whole(threads, unused, made, counts, bounds)
+        finally:
+            self.memory.free(threads.stack)
+            self.memory.spare(unused)
+        return rows, counts
+
+    def _whole(
+        self, threads: _Threads, unused: Rows, made: Made, counts: Words, bounds: Bounds
+    ) -> Words:
+        """Run threads until none has to go on; the counts after them."""
+        resuming = 0
         while True:
-            terminals = self.table(made.terminals, self.layout.terminal, many)
-            returned = self.table(made.returned, self.layout.record, 0)
-            uniforms = {
-                **more, "records": many, "queue_rows": rows.room, "first_record": first,
-                "first_thread": 0, "threads": many, "whole": 1,
-                "terminal_first": terminals.count, "terminal_rows": terminals.room,
-                "returned_first": returned.count, "returned_rows": returned.room,
-            }  # fmt: skip
-            tables = (rows.storage, unused.storage, terminals.storage, returned.storage)
-            counts = self.dispatch(uniforms, tables, stack, many, counts)
+            kept = (made.terminals, Count.TERMINALS), (made.returned, Count.RETURNED)
+            fills = self._fills(made, threads.rows.count, unused)
+            uniforms = {**limits(bounds, made), "resuming": resuming}
+            counts = self._once(threads, fills, counts, uniforms)
             full = [
-                self._filled(table, int(counts[word]))
-                for table, word in ((terminals, Count.TERMINALS), (returned, Count.RETURNED))
+                (tables, rows)
+                for rows, (tables, word) in zip(fills[1:], kept, strict=True)
+                if _is_filled(rows, int(counts[word]))
             ]
-            if int(counts[Count.SHAPES]) > limit:
-                raise TroubleError(0, int(counts[Count.STOPPED]))
+            check(bounds, counts, made)
             if not counts[Count.RECORDS]:
-                break
-            if full[0]:
-                self.table(made.terminals, self.layout.terminal, terminals.room, new=True)
-            if full[1]:
-                self.table(made.returned, self.layout.record, returned.room, new=True)
+                return counts
+            for tables, rows in full:
+                self.memory.another(tables, rows.width, rows.room)
             if counts[Count.COPIES]:
-                slots *= 2
-                stack = self._grown(stack, many, slots)
-            more = {"stack_slots": slots, "frame_words": self._frame, "resuming": 1}
-        stack.release()
-        unused.storage.release()
-        return counts
+                self._grow(threads)
+            resuming = 1
 
-    def _filled(self, table: Rows, more: int) -> bool:
-        """Note so many more rows of a table; whether there was no room for all of them."""
-        wanted = table.count + more
-        table.count = min(wanted, table.room)
-        return wanted > table.room
+    def _once(
+        self, threads: _Threads, fills: tuple[Rows, Rows, Rows], before: Words,
+        more: Mapping[str, int],
+    ) -> Words:  # fmt: skip
+        """Run each thread for a while; the counts after it."""
+        rows, many = threads.rows, threads.rows.count
+        _, terminals, returned = fills
+        uniforms = {
+            **more, "stack_slots": threads.slots, "frame_words": self._frame,
+            "records": many, "queue_rows": rows.room, "first_record": threads.first,
+            "first_thread": 0, "threads": many, "whole": 1,
+            "terminal_first": terminals.count, "terminal_rows": terminals.room,
+            "returned_first": returned.count, "returned_rows": returned.room,
+        }  # fmt: skip
+        storages = (rows.storage, *(each.storage for each in fills))
+        return self.dispatch(uniforms, storages, threads.stack, many, before)
 
-    def _grown(self, stack: Storage, many: int, slots: int) -> Storage:
-        """The same stacks with room for more frames."""
-        larger = self.device.buffer(4 * many * self._stack_words(slots))
-        stack.copy_to(larger, stack.size)
-        stack.release()
-        return larger
+    # --------------------------------------------------------------------------- stacks
+
+    def _stack(self, many: int, slots: int) -> Storage:
+        """Stacks with room for so many frames; there is trouble where the card has no room."""
+        try:
+            return self.memory.buffer(4 * many * self._stack_words(slots))
+        except IpmError as error:
+            if not is_full(error):
+                raise
+            raise TroubleError(Trouble.STACK) from error
+
+    def _grow(self, threads: _Threads) -> None:
+        """Make room for more frames."""
+        slots = 2 * threads.slots
+        larger = self._stack(threads.rows.count, slots)
+        threads.stack.copy_to(larger, threads.stack.size)
+        self.memory.free(threads.stack)
+        threads.stack, threads.slots = larger, slots
+
+    def _back(self, tables: list[Rows], mark: tuple[int, int]) -> None:
+        """Forget the rows that were added since a mark: who made them runs again."""
+        while len(tables) > max(mark[0], 1):
+            self.memory.spare(tables.pop())
+        if tables:
+            tables[-1].count = mark[1]
+
+
+def _mark(tables: list[Rows]) -> tuple[int, int]:
+    """How many tables there are, and how many rows the last one has."""
+    return len(tables), tables[-1].count if tables else 0
+
+
+def _is_filled(rows: Rows, more: int) -> bool:
+    """Note so many more rows of a table; whether there was no room for all of them."""
+    wanted = rows.count + more
+    rows.count = min(wanted, rows.room)
+    return wanted > rows.room

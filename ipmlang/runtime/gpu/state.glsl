@@ -42,6 +42,9 @@ uniform uint slot_size;
 uniform uint slot_geometry;
 uniform uint mirrors;
 uniform uint budget;          // instructions that a thread may run at once
+uniform uint most_shapes;     // in all, with what was made before
+uniform uint most_terminals;  // of one dispatch
+uniform uint most_generations;
 uniform uint resumable;       // 1: it may leave off before any key is made
 #ifdef PER_SEED
 uniform uint stack_slots;     // frames that each thread has room for, and one more
@@ -56,6 +59,7 @@ double r[REGISTERS + 64];     // the last ones are for arguments on their way
 uvec2 own_key;    // of the shape
 uvec2 key;        // under construction
 uint rule;        // the production that is applied, NONE: the axiom
+uint blamed;      // for trouble: that production, or the symbol where none is applied yet
 uint following;   // the generation of what it makes
 uint node;        // the record, among all of the run
 uint copy_number; // of the copy of it that this thread runs
@@ -65,6 +69,10 @@ bool given_up;
 
 void trouble(uint what) {
     atomicOr(counts[COUNT_TROUBLE], what);
-    atomicMin(counts[COUNT_STOPPED], rule);
+    atomicMin(counts[COUNT_STOPPED], blamed);
     given_up = true;
+}
+
+void count_shape() {
+    if (atomicAdd(counts[COUNT_SHAPES], 1u) >= most_shapes) trouble(TROUBLE_LIMIT);
 }

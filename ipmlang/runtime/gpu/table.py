@@ -21,7 +21,8 @@ from ipmlang.runtime.gpu.derive import GpuFrontier
 from ipmlang.runtime.gpu.device import Device, device
 from ipmlang.runtime.gpu.explain import reasons
 from ipmlang.runtime.gpu.isa import TERMINAL
-from ipmlang.runtime.gpu.machine import Made, Rows
+from ipmlang.runtime.gpu.machine import Made, TroubleError
+from ipmlang.runtime.gpu.memory import Rows
 from ipmlang.runtime.gpu.words import Calls
 from ipmlang.runtime.scopes.joins import FIELD as JOIN
 from ipmlang.runtime.scopes.laying import FIELD as UV
@@ -81,16 +82,17 @@ def derive_table(
         return None
     bound = Bound(program, attrs, FUNCTIONS)
     frontier = TableFrontier(calls, bound, initial, limits, steps_of(bound, seed))
-    with np.errstate(all="ignore"):
-        try:
+    whole = False
+    try:
+        with np.errstate(all="ignore"):
             frontier.run(seed)
-        except ElsewhereError:
-            frontier.shared = True
-    if frontier.shared or frontier.drawings or not frontier.ran:
-        for rows in frontier.tables:
-            rows.storage.release()
+        whole = not frontier.shared and not frontier.drawings and frontier.ran
+    except (ElsewhereError, TroubleError):
         return None
-    parts = tuple(rows for rows in frontier.tables if rows.count)
+    finally:
+        parts = frontier.parts(keep=whole)
+    if not whole:
+        return None
     shapes = frontier.shapes + sum(rows.count for rows in parts)
     notes = frontier.notes + unfit_notes(program, frontier.reports)
     return Table(device(), program, tuple(initial), parts, frontier.generations, shapes, notes)
@@ -115,11 +117,23 @@ class TableFrontier(GpuFrontier):
         if self.shared:
             raise ElsewhereError
 
+    def parts(self, *, keep: bool) -> tuple[Rows, ...]:
+        """The tables that have rows, if they are kept; all others go back to the card."""
+        kept = tuple(rows for rows in self.tables if keep and rows.count)
+        for rows in self.tables:
+            if rows not in kept:
+                rows.storage.release()
+        return kept
+
     def _take(self, made: Made, numbers: NDArray[np.int32]) -> None:
         self.tables += made.terminals
-        self.generations = max(self.generations, made.generations)
-        self.counted.make(made.shapes - sum(rows.count for rows in made.returned))
-        self._note(made.notes[: len(self.program.productions) + 1])
-        for rows in made.returned:
-            self._back(rows, np.zeros(rows.count, np.int64))
-            rows.storage.release()
+        try:
+            self.generations = max(self.generations, made.generations)
+            self.counted.make(made.shapes - sum(rows.count for rows in made.returned))
+            self.counted.draw(sum(rows.count for rows in made.terminals))
+            self._note(made.notes[: len(self.program.productions) + 1])
+            for rows in made.returned:
+                self._back(rows, np.zeros(rows.count, np.int64))
+        finally:
+            for rows in made.returned:
+                rows.storage.release()

@@ -26,6 +26,7 @@ uint entered(uint symbol, uint its_generation) {
         if (begin != NONE && (steps == NONE || its_generation < steps)) {
             following = its_generation + 1u;
             atomicMax(counts[COUNT_GENERATION], following);
+            if (following > most_generations) trouble(TROUBLE_LIMIT);
             return begin;
         }
         begin = code[entry + ENTRY_INTERPRETATIONS];
@@ -177,7 +178,11 @@ void run(uint at, uint action) {
             case OP_SHOW: shown = r[a] != 0.0lf; break;
 #endif
             case OP_EMIT:
+#ifdef PER_SEED
                 if (!draw(int(z), w, n, dvec3(r[a], r[b], r[c]))) action = STOP;
+#else
+                draw(int(z), w, n, dvec3(r[a], r[b], r[c]));  // its need is counted to the end
+#endif
                 break;
             case OP_CHILD:
 #ifdef PER_SEED
@@ -200,7 +205,7 @@ void run(uint at, uint action) {
 #else
                 if (worth_making(z)) action = MAKE;
 #endif
-                if (shown) atomicAdd(counts[COUNT_SHAPES], 1u);
+                if (shown) count_shape();
                 break;
             case OP_RANGE:
                 if (!shown || !(r[a] > 0.0lf)) break;
@@ -225,7 +230,7 @@ void run(uint at, uint action) {
             case OP_CENTER: center(z, n != 0u); break;
             case OP_FLIP: flip(z); break;
             case OP_GEOMETRY: r[slot_geometry] = data[z]; break;
-            case OP_RULE: rule = z; break;
+            case OP_RULE: blamed = rule = z; break;
             case OP_SHARE: share(z, r[a]); break;
             case OP_TAKE:
                 if (taken == NONE) taken = z;
@@ -238,7 +243,7 @@ void run(uint at, uint action) {
                     break;
                 }
                 at = code[z + 2u * taken];
-                rule = code[z + 2u * taken + 1u];
+                blamed = rule = code[z + 2u * taken + 1u];
                 break;
             case OP_JUMP: at = z; break;
             case OP_DIFFER: r[target] = r[a] != r[b] ? 1.0lf : 0.0lf; break;
@@ -253,7 +258,7 @@ void run(uint at, uint action) {
                 trouble(TROUBLE_NO_PRODUCTION);
                 return;
             }
-            if (shown) atomicAdd(counts[COUNT_SHAPES], 1u);
+            if (shown) count_shape();
             record = Record(w, following, mixed(own_key, CHOICE_SITE), NONE, 1u, NONE, state_size,
                             code[symbols + w * ENTRY + ENTRY_ARITY], on_cpu(w));
             rule = NONE;
@@ -366,6 +371,9 @@ void main() {
     own_key = uvec2(queue[HEADER_KEY0 * queue_rows + record],
                     queue[HEADER_KEY1 * queue_rows + record]);
     rule = queue[HEADER_RULE * queue_rows + record];
+    blamed = entry < BLOCK ? productions + 1u + entry : rule;
+    taken = NONE;
+    total = 0.0lf;
     node = first_record + record;
     sequence = 0u;
     spent = 0u;
