@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.runtime.gpu import isa
-from ipmlang.runtime.gpu.machine import Rows
+from ipmlang.runtime.gpu.memory import Rows
 from ipmlang.runtime.gpu.storage import Storage
 from ipmlang.runtime.gpu.table import Table
 from ipmlang.runtime.scene import SEGMENT
