@@ -7,7 +7,7 @@ a hundred points that say how far the table reaches.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib.resources import files
 from typing import TYPE_CHECKING
@@ -15,13 +15,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ipmlang.formats.mesh_types import Material
 from ipmlang.runtime.gpu import isa
 from ipmlang.runtime.gpu.memory import Rows
 from ipmlang.runtime.gpu.storage import Storage
 from ipmlang.runtime.gpu.table import Table
 from ipmlang.runtime.scene import SEGMENT
 from ipmlang.studio.camera import Camera
-from ipmlang.studio.card import COPY, Drawn
+from ipmlang.studio.card import COPY, Drawn, image_on
 
 if TYPE_CHECKING:
     import moderngl
@@ -44,10 +45,18 @@ TERMINALS, KINDS, COLORS, COUNTS, OUTPUT = range(5)  # bindings
 class CardCopies:
     """The copies of a table for one camera after the other."""
 
-    def __init__(self, table: Table, kinds: Kinds, middle: Floats, size: float) -> None:
+    def __init__(
+        self,
+        table: Table,
+        kinds: Kinds,
+        images: tuple[Material, ...],
+        middle: Floats,
+        size: float,
+    ) -> None:
         self.table = table
         self.card = table.card
         self.kinds = kinds
+        self.images = images
         self.middle, self.size = middle, size
         self._shader = self.card.compile(source("copies"), "copies")
         self._parts = [_Part(rows) for rows in table.parts]
@@ -55,10 +64,9 @@ class CardCopies:
         self._colors = self.card.buffer(kinds.colors.tobytes())
         self._counts = self.card.buffer(4 * len(kinds.numbers))
 
-    def drawn(
-        self, programs: Mapping[str, moderngl.Program], images: Sequence[moderngl.Texture]
-    ) -> list[Drawn]:
+    def drawn(self, programs: Mapping[str, moderngl.Program]) -> list[Drawn]:
         """What draws the copies; there are none before `see`."""
+        images = [image_on(self.card.context, each) for each in self.images]
         for part in self._parts:
             part.drawn = [
                 Drawn(self.card.context, programs, surface, images)

@@ -135,6 +135,6 @@ def _passes(
     triangles = model.triangles
     if copies is not None:
         counts = copies.counts(camera, look.pixels(count)[0])
-        triangles = int((counts * copies.kinds.triangles).sum())
+        triangles += int((counts * copies.kinds.triangles).sum())
     wanted = _STANDING if count is None else _MOVING
     return max(_LEAST, min(wanted, _WORK // (max(triangles, 1) * (2 + SKIES))))

@@ -60,7 +60,7 @@ class Stage:
         images = [image_on(context, each) for each in model.images]
         self.drawn = [Drawn(context, self.programs, each, images) for each in model.surfaces]
         if copies is not None:
-            self.drawn += copies.drawn(self.programs, images)
+            self.drawn += copies.drawn(self.programs)
         self.plain = {
             name: context.vertex_array(self.programs[name], [])
             for name in ("ground", "light", "finish")

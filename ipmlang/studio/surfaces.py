@@ -23,6 +23,7 @@ Singles = NDArray[np.float32]
 Bytes = NDArray[np.uint8]
 
 _DRAWS = 256  # meshes at most that are drawn copy by copy
+_NOTHING = np.zeros((0, 3))
 _WORTH = 20_000  # corners that must be saved by it
 
 
@@ -51,7 +52,8 @@ class Surface:
 @dataclass(frozen=True, slots=True, eq=False)
 class Model:
     """All that is drawn. outline (k, 3): points with its hull, around the origin, none farther than
-    1; triangles: how many, with all copies; clear: whether one can look through anything.
+    1; triangles: how many, with all copies; clear: whether one can look through anything; middle
+    (3,) and size: what in the scene became the origin, and how long 1 is.
     """
 
     surfaces: tuple[Surface, ...]
@@ -59,6 +61,8 @@ class Model:
     outline: Floats
     triangles: int
     clear: bool
+    middle: Floats
+    size: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,19 +80,18 @@ class _Copies:
         return _Copies(self.mesh[rows], self.matrix[rows], self.paint[rows], self.image[rows])
 
 
-def model_of(scene: MeshScene, *, lines: bool = False) -> Model:
-    """The model of a scene; an `IpmError` if there is nothing that could be seen."""
+def model_of(scene: MeshScene, *, lines: bool = False, beside: Floats = _NOTHING) -> Model:
+    """The model of a scene; an `IpmError` if there is nothing that could be seen. `beside`: points
+    (n, 3) of what else there is.
+    """
     library = library_of(scene, lines=lines)
     copies = _seen(scene, library)
     many, rest = _grouped(copies, library)
     closed = library.closed[rest.mesh]
     baked = [_baked(library, rest.rows(np.flatnonzero(closed == which))) for which in (True, False)]
     parts = [hull_of_copies(_positions(library, group), group.matrix) for group in many]
-    outline = hull(np.concatenate([*(each.position for each in baked), *parts]))
-    middle = (outline.min(axis=0) + outline.max(axis=0)) / 2
-    size = float(np.linalg.norm(outline - middle, axis=1).max())
-    if not 0 < size < np.inf:
-        raise fail("nothing-drawn", "there is nothing to see: the model has no extent")
+    outline = hull(np.concatenate([*(each.position for each in baked), *parts, beside]))
+    middle, size = middle_and_size(outline)
     surfaces = [_repeated(library, group, middle, size) for group in many]
     for which, real in zip((True, False), baked, strict=True):
         if len(real.position):
@@ -99,7 +102,20 @@ def model_of(scene: MeshScene, *, lines: bool = False) -> Model:
         (outline - middle) / size,
         sum(len(each.triangles) * len(each.matrix) for each in surfaces),
         any(_is_clear(each, library) for each in surfaces),
+        middle,
+        size,
     )
+
+
+def middle_and_size(outline: Floats) -> tuple[Floats, float]:
+    """The middle (3,) of points (n, 3) and how far they are from it at most; an `IpmError` if they
+    have no extent.
+    """
+    middle = (outline.min(axis=0) + outline.max(axis=0)) / 2
+    size = float(np.linalg.norm(outline - middle, axis=1).max())
+    if not 0 < size < np.inf:
+        raise fail("nothing-drawn", "there is nothing to see: the model has no extent")
+    return middle, size
 
 
 def lone_surfaces(library: Library, meshes: Sequence[int]) -> tuple[Surface, ...]:

@@ -1,24 +1,26 @@
 """A table of terminals on the graphics card as a model: which meshes it is made of, how far it
 reaches, and who makes its copies.
 
-Takes a `Table`; gives a `Model` without surfaces of its own and the copies that a stage draws. The
-meshes of boxes, segments and assets are those of any other model. Nothing is derived here.
+Takes a `Table`; gives a `Model` of what the CPU drew, if it drew anything, and the copies of what
+lies on the card. The meshes of boxes, segments and assets are those of any other model. Nothing is
+derived here.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ipmlang.compiler.diagnostics import fail
-from ipmlang.formats.mesh_types import Mesh, MeshScene, face_normals
+from ipmlang.compiler.diagnostics import IpmError, fail
+from ipmlang.formats.mesh_types import Material, Mesh, MeshScene, face_normals
 from ipmlang.runtime.assemble import color
 from ipmlang.runtime.export.model_assets import model_assets
 from ipmlang.runtime.export.models import (
     CYLINDER_SIDES,
     THIN,
+    mesh_scene_of,
     unit_cube,
     unit_cylinder,
     unit_square,
@@ -28,7 +30,7 @@ from ipmlang.runtime.scene import AssetRef
 from ipmlang.studio import ways
 from ipmlang.studio.card_copies import WAYS, CardCopies, Survey, first_place, survey
 from ipmlang.studio.library import Library, library_of
-from ipmlang.studio.surfaces import Model, Surface, lone_surfaces
+from ipmlang.studio.surfaces import Model, Surface, lone_surfaces, middle_and_size, model_of
 
 Floats = NDArray[np.float64]
 _KIND = 12  # numbers of a kind, see terminals.glsl
@@ -52,27 +54,61 @@ class Kinds:
     thin: float = 0.0
 
 
-def model_of_table(table: Table, *, lines: bool) -> tuple[Model, CardCopies]:
-    """The model of a table and its copies; an `IpmError` if there is nothing that could be seen."""
+@dataclass(frozen=True, slots=True, eq=False)
+class _Crowd:
+    """What can be seen of a table: its kinds, the images on them, a body (k, 3) around all of it,
+    and whether one can look through anything.
+    """
+
+    kinds: Kinds
+    images: tuple[Material, ...]
+    outline: Floats
+    clear: bool
+
+
+def model_of_table(table: Table, *, lines: bool) -> tuple[Model, CardCopies | None]:
+    """The model of what the CPU drew and the copies of what lies on the card, if either can be
+    seen; an `IpmError` if neither can.
+    """
+    crowd, rest = _crowd(table, lines=lines), _rest(table)
+    if crowd is None and rest is None:
+        raise fail("nothing-drawn", "there is nothing to see: this grammar draws nothing")
+    if crowd is None:
+        assert rest is not None
+        return model_of(rest, lines=lines), None
+    if rest is None:
+        middle, size = middle_and_size(crowd.outline)
+        model = Model((), (), (crowd.outline - middle) / size, 0, False, middle, size)
+    else:
+        model = model_of(rest, lines=lines, beside=crowd.outline)
+    copies = CardCopies(table, crowd.kinds, crowd.images, model.middle, model.size)
+    return replace(model, clear=model.clear or crowd.clear), copies
+
+
+def _rest(table: Table) -> MeshScene | None:
+    """What the CPU drew, if it is anything."""
+    try:
+        return None if table.rest is None else mesh_scene_of(table.rest)
+    except IpmError as error:
+        if error.diagnostics[0].code != "nothing-drawn":
+            raise
+        return None
+
+
+def _crowd(table: Table, *, lines: bool) -> _Crowd | None:
+    """What can be seen of a table, if it is anything."""
     if not len(table):
-        raise fail("nothing-drawn", "this grammar draws nothing, so there is no model to draw")
+        return None
     begin = first_place(table)
     scene = _meshes(table, begin)
     library = library_of(scene, lines=lines)
     kinds = Kinds(_numbers(scene, library), np.diff(library.faces))
     found = survey(table, kinds, begin, ways.even(WAYS))
     if not found.counts.any():
-        raise fail("nothing-drawn", "there is nothing to see: no faces at a finite place")
+        return None
     outline = _outline(table, kinds, begin, found)
-    middle = (outline.min(axis=0) + outline.max(axis=0)) / 2
-    size = float(np.linalg.norm(outline - middle, axis=1).max())
-    if not 0 < size < np.inf:
-        raise fail("nothing-drawn", "there is nothing to see: the model has no extent")
     known = _filled(table, kinds, library, found, float(np.ptp(outline, axis=0).max()))
-    copies = CardCopies(table, known, begin + middle, size)
-    count = int((found.counts * kinds.triangles).sum())
-    clear = _is_clear(known, found, library)
-    return Model((), library.images, (outline - middle) / size, count, clear), copies
+    return _Crowd(known, library.images, outline + begin, _is_clear(known, found, library))
 
 
 def _outline(table: Table, kinds: Kinds, begin: Floats, found: Survey) -> Floats:

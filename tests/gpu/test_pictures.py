@@ -38,6 +38,15 @@ Twig(n) : n > 0 --> !(0.1 * n) F(2) [&(30) Twig(n - 1)] /(120) [*(0.8) ^(40) Twi
 Twig(n) : else  --> F(1)
 start Twig(4)
 """
+ROOFS = """\
+ipm 1
+Lot --> split x { { ~4: House }* }
+House --> extrude(3) comp { top: color("#a04030") roofHip(30) Tiles | side: Side }
+Side --> split x { { ~1.3: Bay }* }
+Bay : 60%  --> color("#506070") Pane
+Bay : else --> color("#e0d8c0") Wall
+start Lot on box(12, 5, 0)
+"""
 FITTED = """\
 ipm 1
 asset wedge = "wedge.obj"
@@ -89,6 +98,14 @@ def test_boxes_and_rectangles(card: Device) -> None:
 
 def test_lines_are_drawn_on_them(card: Device) -> None:
     assert_alike(WALL, look=replace(LOOK, lines=True))
+
+
+def test_what_the_cpu_draws_stands_among_it(card: Device) -> None:
+    table = table_of(ROOFS)
+    assert table.backend == "gpu+cpu"
+    assert table.rest is not None
+    assert len(table) > len(table.rest.instances) > 0
+    assert_alike(ROOFS)
 
 
 def test_what_lies_in_many_small_buffers(card: Device) -> None:

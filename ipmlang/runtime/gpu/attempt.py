@@ -12,13 +12,11 @@ from typing import TYPE_CHECKING
 
 from ipmlang.compiler import ir
 from ipmlang.compiler.diagnostics import IpmError
+from ipmlang.runtime.gpu.device import TROUBLE
 
 if TYPE_CHECKING:
     from ipmlang.runtime.gpu.table import Table
     from ipmlang.runtime.scene import Scene
-
-_TROUBLE = frozenset({"no-opengl", "gpu-memory", "gpu-failed"})
-"""Errors that are the card's, not the grammar's: numpy may do better."""
 
 
 class _Told:
@@ -45,7 +43,7 @@ def attempt(
         scene, notes = _derived(program, values, seed, limits)
     except IpmError as error:
         first = error.diagnostics[0]
-        if first.code not in _TROUBLE:
+        if first.code not in TROUBLE:
             raise
         return None, once(f"derived on the CPU: {first.message}")
     return scene, once(*notes)
@@ -65,7 +63,7 @@ def attempt_table(
             return None
         return derive_table(program, values, seed, limits)
     except IpmError as error:
-        if backend == "auto" and error.diagnostics[0].code in _TROUBLE:
+        if backend == "auto" and error.diagnostics[0].code in TROUBLE:
             return None
         raise
 

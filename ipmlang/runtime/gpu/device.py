@@ -26,6 +26,9 @@ _LARGEST_BLOCK = (1 << 31) - 4  # where a driver's answer does not fit the 32 bi
 _MOST_ERRORS = 16  # a lost context answers every question with an error
 _ON_CPU = "derive on the CPU: --backend cpu"
 
+TROUBLE = frozenset({"no-opengl", "gpu-memory", "gpu-failed"})
+"""Codes of errors that are the card's, not the grammar's: numpy may do better."""
+
 
 @dataclass(frozen=True, slots=True)
 class DeviceInfo:

@@ -1,8 +1,8 @@
 """What a program draws, left on the graphics card: pictures are made of that without a copy.
 
 In go a bound program and a seed, out comes the table of terminals where the machine wrote it, with
-what is needed to read it there; or nothing, where the CPU has a part in the derivation or in what
-its terminals look like. Rows stand in no order. Nothing is drawn here.
+what is needed to read it there, and beside it a scene of what the CPU drew; or nothing, where that
+is not all that a picture needs. Rows stand in no order. Nothing is drawn here.
 """
 
 from __future__ import annotations
@@ -14,34 +14,34 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.compiler import ir
+from ipmlang.compiler.diagnostics import IpmError
 from ipmlang.compiler.ops import FUNCTIONS
+from ipmlang.runtime import drawings
+from ipmlang.runtime.assemble import scene
 from ipmlang.runtime.fields import fields
 from ipmlang.runtime.gpu import encode
 from ipmlang.runtime.gpu.derive import GpuFrontier
-from ipmlang.runtime.gpu.device import Device, device
+from ipmlang.runtime.gpu.device import TROUBLE, Device, device
 from ipmlang.runtime.gpu.explain import reasons
 from ipmlang.runtime.gpu.isa import TERMINAL
-from ipmlang.runtime.gpu.machine import Made, TroubleError
+from ipmlang.runtime.gpu.machine import Made
 from ipmlang.runtime.gpu.memory import Rows
 from ipmlang.runtime.gpu.words import Calls
+from ipmlang.runtime.scene import Scene
 from ipmlang.runtime.scopes.joins import FIELD as JOIN
 from ipmlang.runtime.scopes.laying import FIELD as UV
 from ipmlang.runtime.scopes.reports import unfit_notes
 from ipmlang.runtime.strings import steps_of
 from ipmlang.runtime.values import Bound
 
-_ELSEWHERE = frozenset({JOIN, UV, "texture"})  # fields whose terminals are made what they are later
-
-
-class ElsewhereError(Exception):
-    """The CPU has a part in this derivation."""
+_ELSEWHERE = frozenset({JOIN, UV, "texture"})  # -1 in what no picture needs more for
 
 
 @dataclass(slots=True, eq=False)
 class Table:
-    """Terminals on a card, in parts that each lie in one buffer. `fields` are the numbers of the
-    state, in the order in which a row has them; colours and the like are numbers of texts of the
-    program.
+    """Terminals on a card, in parts that each lie in one buffer, and what else there is: `rest`,
+    which the CPU drew. `fields` are the numbers of the state, in the order in which a row has them;
+    colours and the like are numbers of texts of the program.
     """
 
     card: Device
@@ -50,8 +50,9 @@ class Table:
     parts: tuple[Rows, ...]
     generations: int
     shapes: int
-    notes: tuple[str, ...] = ()
-    backend: str = "gpu"
+    rest: Scene | None
+    notes: tuple[str, ...]
+    backend: str
 
     def __len__(self) -> int:
         return sum(part.count for part in self.parts)
@@ -69,53 +70,74 @@ class Table:
 def derive_table(
     program: ir.Program, attrs: Sequence[float], seed: int, limits: ir.Limits
 ) -> Table | None:
-    """The table of a program that the card alone derives and whose terminals are segments, boxes,
-    rectangles and assets in space; None for any other.
+    """The table of a program in space whose terminals on the card are segments, boxes, rectangles
+    and assets; None for any other, where nothing of it runs there, and where something is wrong
+    that `derive_gpu` tells better.
 
-    Raises IpmError where a limit is reached, and where there is no card or it fails.
+    Raises IpmError where there is no card or it fails.
     """
     initial = fields(program)
     calls = encode.calls_of(program)
-    if program.flat or program.residual is not None or _ELSEWHERE & initial.keys():
+    if program.flat or program.residual is not None:
         return None
     if encode.refused(program) or (calls == "threads" and reasons(program)):
         return None
     bound = Bound(program, attrs, FUNCTIONS)
     frontier = TableFrontier(calls, bound, initial, limits, steps_of(bound, seed))
-    whole = False
+    enough = False
     try:
         with np.errstate(all="ignore"):
             frontier.run(seed)
-        whole = not frontier.shared and not frontier.drawings and frontier.ran
-    except (ElsewhereError, TroubleError):
-        return None
+        enough = frontier.ran and not _needs_more(frontier)
+    except IpmError as error:
+        if error.diagnostics[0].code in TROUBLE:
+            raise
+        return None  # who derives all of it knows the way to where it went wrong
     finally:
-        parts = frontier.parts(keep=whole)
-    if not whole:
+        parts = frontier.parts(keep=enough)
+    if not enough:
         return None
-    shapes = frontier.shapes + sum(rows.count for rows in parts)
-    notes = frontier.notes + unfit_notes(program, frontier.reports)
-    return Table(device(), program, tuple(initial), parts, frontier.generations, shapes, notes)
+    drawn = None if not frontier.drawings else _drawn_elsewhere(frontier, seed)
+    shapes = frontier.shapes + frontier.drawings + sum(rows.count for rows in parts)
+    notes = frontier.notes + frontier.snap_notes() + unfit_notes(program, frontier.reports)
+    return Table(
+        device(), program, tuple(initial), parts, frontier.generations, shapes, drawn, notes,
+        "gpu+cpu" if frontier.shared else "gpu",
+    )  # fmt: skip
+
+
+def _needs_more(frontier: TableFrontier) -> bool:
+    """Whether some terminal on the card is made what it is later: joined with others, textured."""
+    words = [
+        TERMINAL + 6 + 2 * place for place, name in enumerate(frontier.fields) if name in _ELSEWHERE
+    ]
+    tables = [rows for rows in frontier.tables if rows.count]
+    return any((rows.numbers(word) >= 0).any() for rows in tables for word in words)
+
+
+def _drawn_elsewhere(frontier: TableFrontier, seed: int) -> Scene:
+    """The scene of what the CPU drew, in no order."""
+    program = frontier.program
+    rows = drawings.rows(
+        program, frontier.chunks, np.arange(frontier.drawings, dtype=np.int32), fields(program),
+        frontier.grouping, frontier.laying, frontier.joining, frontier.pool,
+    )  # fmt: skip
+    made = scene(
+        program, rows, frontier.polygons,
+        seed=seed, generations=frontier.generations, shapes=frontier.shapes,
+    )  # fmt: skip
+    made.solids = frontier.pool.solids()
+    return made
 
 
 class TableFrontier(GpuFrontier):
-    """A frontier that leaves what the card draws where it is, and gives up where the CPU is needed:
-    ElsewhereError.
-    """
+    """A frontier that leaves what the card draws where it is."""
 
     ordered = False
 
     def __init__(self, calls: Calls, *args: object) -> None:
         super().__init__(calls, *args)
         self.tables: list[Rows] = []
-
-    def advance(self) -> None:
-        """Derive all that waits on the card."""
-        if self.drawings or self.pending.has(self._left.__contains__):
-            raise ElsewhereError
-        super().advance()
-        if self.shared:
-            raise ElsewhereError
 
     def parts(self, *, keep: bool) -> tuple[Rows, ...]:
         """The tables that have rows, if they are kept; all others go back to the card."""
