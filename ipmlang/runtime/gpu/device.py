@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 _SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software", "microsoft basic render")
 _GUARANTEED_BLOCK = 1 << 27  # bytes; what OpenGL 4.3 promises of one storage block
 _LARGEST_BLOCK = (1 << 31) - 4  # where a driver's answer does not fit the 32 bits it is asked in
+_FULL = "GL_OUT_OF_MEMORY"
 _MOST_ERRORS = 16  # a lost context answers every question with an error
 _ON_CPU = "derive on the CPU: --backend cpu"
 
@@ -101,7 +102,7 @@ class Device:
         if size > self.limits.block_bytes:
             raise self.too_large(size)
         contexts.collect(self.context)
-        self.context.clear_errors()
+        self._errors()  # what was asked before is no matter; a lost context has no last error
         from moderngl import Error
 
         try:
@@ -112,9 +113,10 @@ class Device:
         except (Error, MemoryError) as error:
             raise self._full(size) from error
         storage = Storage(made, size)
-        if self._errors():
+        errors = self._errors()
+        if errors:
             storage.release()
-            raise self._full(size)
+            raise self._full(size) if errors == [_FULL] else self._broken(errors, "buffer")
         return storage
 
     def dispatch(
@@ -126,7 +128,7 @@ class Device:
         if any(count > most for count, most in zip(counts, self.limits.groups, strict=False)):
             message = f"the shader `{name}` needs {counts} work groups; the card has at most "
             raise fail("gpu-failed", message + str(self.limits.groups), hint=_ON_CPU)
-        self.context.clear_errors()
+        self._errors()  # what was asked before is no matter; a lost context has no last error
         shader.run(*counts)
         self.context.memory_barrier()
         self.check(name)
@@ -142,13 +144,16 @@ class Device:
         errors = self._errors()
         if not errors:
             return
-        if "GL_OUT_OF_MEMORY" in errors:
+        raise self._broken(errors, name)
+
+    def _broken(self, errors: Sequence[str], name: str) -> IpmError:
+        if _FULL in errors:
             message = f"the graphics card is out of memory in `{name}`"
-            raise fail("gpu-memory", message, hint=_ON_CPU)
+            return fail("gpu-memory", message, hint=_ON_CPU)
         # A lost context answers for ever, by a name that moderngl does not know.
         self.lost = len(errors) == _MOST_ERRORS or "GL_UNKNOWN_ERROR" in errors
         what = "was lost" if self.lost else f"reports {errors[0]}"
-        raise fail("gpu-failed", f"the graphics card {what} in `{name}`", hint=_ON_CPU)
+        return fail("gpu-failed", f"the graphics card {what} in `{name}`", hint=_ON_CPU)
 
     def too_large(self, size: int) -> IpmError:
         """The error of a buffer that no block of this card can be."""
@@ -161,7 +166,7 @@ class Device:
         contexts.give_back(self.context)
 
     def _errors(self) -> list[str]:
-        """What OpenGL reports, each once; a lost context has no last error."""
+        """What OpenGL reports, each once, and no more than it takes to see that it never ends."""
         found: list[str] = []
         while len(found) < _MOST_ERRORS and (error := self.context.error) != "GL_NO_ERROR":
             found.append(error)
