@@ -6,16 +6,22 @@ first asked for. Nothing is drawn here.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ipmlang.compiler import ir
-from ipmlang.compiler.diagnostics import fail
+from ipmlang.compiler.diagnostics import IpmError, fail
 from ipmlang.formats import FormatError
 from ipmlang.geometry.solid import UNTAGGED, Solid
 
+if TYPE_CHECKING:
+    from ipmlang.formats.mesh_types import Mesh
+
 
 class AssetSolids:
-    """Reads the assets of a program, each once."""
+    """Reads the assets of a program, each once, a file that several are parts of once for all."""
 
     def __init__(self, program: ir.Program) -> None:
         self._assets = program.assets
@@ -24,23 +30,39 @@ class AssetSolids:
     def __call__(self, asset: int) -> Solid:
         """The faces of an asset. Raises IpmError for a file that is none."""
         if asset not in self._read:
-            self._read[asset] = self._solid(self._assets[asset])
+            self._read |= self._file(asset)
         return self._read[asset]
 
-    def _solid(self, asset: ir.AssetFile) -> Solid:
-        from ipmlang.formats.mesh import read_mesh
+    def _file(self, number: int) -> dict[int, Solid]:
+        """An asset with all others of its file; alone, where one of those cannot be read."""
+        wanted = self._assets[number]
+        beside = [k for k, asset in enumerate(self._assets) if asset.path == wanted.path]
+        try:
+            return dict(zip(beside, self._solids(beside), strict=True))
+        except IpmError:
+            return {number: self._solids([number])[0]}
 
-        if asset.path.suffix.lower() in (".svg", ".svgz"):
+    def _solids(self, numbers: Sequence[int]) -> list[Solid]:
+        """The assets of these numbers, parts of one file."""
+        from ipmlang.formats.mesh import read_parts
+        from ipmlang.formats.mesh_types import baked
+
+        path = self._assets[numbers[0]].path
+        if path.suffix.lower() in (".svg", ".svgz"):
             raise fail(
                 "not-a-model",
-                f"the asset `{asset.name}` is a drawing: {asset.path.name}",
+                f"the asset `{self._assets[numbers[0]].name}` is a drawing: {path.name}",
                 hint="`insert` takes assets from glb, obj, ply and stl files",
             )
         try:
-            mesh = read_mesh(asset.path, asset.node)
+            scenes = read_parts(path, [self._assets[number].node for number in numbers])
         except FormatError as error:
-            place = f"{asset.path.name}:{error.line}" if error.line else asset.path.name
+            place = f"{path.name}:{error.line}" if error.line else path.name
             raise fail("bad-asset", f"{place}: {error.message}", hint=error.hint) from error
-        count = len(mesh.offsets) - 1
-        faces = np.arange(count + 1, dtype=np.int64)
-        return Solid(mesh.vertices, mesh.corners, mesh.offsets, faces, (UNTAGGED,) * count, mesh.uv)
+        return [_solid(baked(scene)) for scene in scenes]
+
+
+def _solid(mesh: Mesh) -> Solid:
+    count = len(mesh.offsets) - 1
+    faces = np.arange(count + 1, dtype=np.int64)
+    return Solid(mesh.vertices, mesh.corners, mesh.offsets, faces, (UNTAGGED,) * count, mesh.uv)
