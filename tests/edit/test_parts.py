@@ -107,7 +107,7 @@ def test_a_pasted_part_fills_with_copies(house: Draft) -> None:
 def test_an_inserted_part_keeps_what_stood_there(house: Draft) -> None:
     made = grown(pasting.paste(house, "Front", "Wall", Copying(insert=True)))
     assert made.terminals.labels.count("Wall") == 3
-    assert covers(made, "Wall")[[0, 3]].tolist() == [0.0, 9.0]
+    assert covers(made, "Wall")[[0, 3]].tolist() == pytest.approx([0.0, 9.0], abs=1e-6)
 
 
 def test_a_part_that_holds_the_source_is_refused(house: Draft) -> None:

@@ -18,9 +18,9 @@ from ipmlang.compiler.diagnostics import fail
 from ipmlang.edit.arithmetic import literal
 from ipmlang.edit.buildings.forms import EXTENTS, Forms, Unit
 from ipmlang.edit.buildings.rewriting import Placed, rewritten
-from ipmlang.edit.buildings.rows import laid_out
+from ipmlang.edit.buildings.rows import Room, laid_out
 from ipmlang.edit.buildings.tree import grown, unknown
-from ipmlang.edit.buildings.units import selected
+from ipmlang.edit.buildings.units import selected, tolerance
 from ipmlang.edit.draft import Change, Draft
 from ipmlang.edit.symbols import Elements, free_name, with_modules
 from ipmlang.inverse.frames import Floats, Frames, compose, inverse, moved_to
@@ -161,7 +161,9 @@ def join(draft: Draft, select: str, numbers: Sequence[int], *, name: str | None 
     parts = [(compose(back, forms.frame(unit)), forms.plain(unit, owner)) for unit in units]
     bare = select.rpartition(".")[2]
     title = forms.new_name(name or f"{bare[0].upper()}{bare[1:]}_group")
-    forms.rules[title] = (select, laid_out(parts))
+    body, tables = laid_out(parts, Room(tolerance(forms.tree)), forms.new_name)
+    forms.tables += tables
+    forms.rules[title] = (select, body)
     at: dict[Unit, Sequence[Placed]] = dict.fromkeys(units[1:], ())
     at[units[0]] = [Placed(base, (ast.Module(title),))]
     return rewritten(forms, at, what=title)

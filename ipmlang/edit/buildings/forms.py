@@ -37,10 +37,11 @@ SQUARE = 1e-7  # how far axes may be off that are the same
 
 @dataclass(slots=True, eq=False)
 class Forms:
-    """The forms of one tree; rules: those that were made for them, by name."""
+    """The forms of one tree; rules, tables: those that were made for them, rules by name."""
 
     tree: Tree
     rules: dict[str, tuple[str, Elements]] = field(default_factory=dict)
+    tables: list[ast.Table] = field(default_factory=list)
     _taken: set[str] = field(default_factory=set)
     _fitted: dict[object, str] = field(default_factory=dict)
     _filling: dict[int, bool] = field(default_factory=dict)

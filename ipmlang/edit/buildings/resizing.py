@@ -16,12 +16,12 @@ import numpy as np
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail
-from ipmlang.edit.arithmetic import literal
 from ipmlang.edit.buildings.attachments import Attached, attach, settle, stretching, warped
 from ipmlang.edit.buildings.deciding import Key
 from ipmlang.edit.buildings.driving import Aim, driven
 from ipmlang.edit.buildings.forms import Forms, Unit
 from ipmlang.edit.buildings.rewriting import Placed, rewritten
+from ipmlang.edit.buildings.rows import Room
 from ipmlang.edit.buildings.soundness import check_sound
 from ipmlang.edit.buildings.tree import grown
 from ipmlang.edit.buildings.units import Units, divided, selected, tolerance, whole
@@ -164,7 +164,7 @@ def _attempted(
     for axis in along:
         low[:, axis], high[:, axis] = _solved(forms, system, made, picked, axis, factor[axis])
     count = len(made.units)
-    at = Rebuilt(forms, made, low[:count], high[:count]).placed()
+    at = Rebuilt(forms, made, low[:count], high[:count], near).placed()
     result = rewritten(forms, at, what="resized")
     check_sound(tree, grown(result), near)
     return result
@@ -243,12 +243,14 @@ class Rebuilt:
     made: Units
     low: Floats
     high: Floats
+    near: float
 
     def placed(self) -> dict[Unit, list[Placed]]:
         """What stands in place of each unit that is elsewhere, or of another size."""
         before = self.made.high - self.made.low
         after = self.high - self.low
         gone = self._join(_ratios(before, after))
+        self._even_out()
         ratio = _ratios(before, self.high - self.low)
         found: dict[Unit, list[Placed]] = {}
         for k, unit in enumerate(self.made.units):
@@ -260,6 +262,20 @@ class Rebuilt:
                 continue
             found[unit] = [self._unit(k, unit, ratio[k])]
         return found
+
+    def _even_out(self) -> None:
+        """Parts of one kind whose sizes differ by less than what touches get one size, about their
+        middles: a solution is no more exact than that, and equal parts are said once.
+        """
+        kinds: dict[str, list[int]] = {}
+        for k, unit in enumerate(self.made.units):
+            kinds.setdefault(self.forms.name(unit), []).append(k)
+        for rows in kinds.values():
+            for axis in range(3):
+                size = (self.high - self.low)[rows, axis]
+                off = 0.5 * (size - evened(size, self.near))
+                self.low[rows, axis] += off
+                self.high[rows, axis] -= off
 
     def _unit(self, k: int, unit: Unit, ratio: Floats) -> Placed:
         """A unit after its box went from one to the other."""
@@ -278,8 +294,7 @@ class Rebuilt:
         moved = self.low[k] + (corner - self.made.low[k]) * ratio
         size = (high - low) * ratio[axis]
         frame = Frames((moved @ axes)[None], base.rotation, base.hand, base.scale)
-        width, depth, height = (literal(float(each)) for each in size)
-        numbers = (width, depth, height)
+        numbers = Room(self.near).precision.vector(size)
         shift = (moved - corner) @ axes
         many = [1 if forms.fills(unit) else _copies(float(each)) for each in ratio[axis]]
         if max(many) == 1:
@@ -306,6 +321,23 @@ class Rebuilt:
                     self.high[k, axis] = begin + (place + 1) * whole / keep
                 gone.update(run[keep:])
         return gone
+
+
+def evened(sizes: Floats, near: float) -> Floats:
+    """Sizes (n,) with those that all lie within `near` in the middle of them.
+
+    >>> evened(np.array([3.0, 1.0, 1.0004, 2.0]), 0.001).tolist()
+    [3.0, 1.0002, 1.0002, 2.0]
+    """
+    order = np.argsort(sizes, kind="stable")
+    found = sizes.copy()
+    begin = 0
+    for end in range(1, len(sizes) + 1):
+        if end == len(sizes) or sizes[order[end]] - sizes[order[begin]] > near:
+            group = order[begin:end]
+            found[group] = 0.5 * (sizes[group[0]] + sizes[group[-1]])
+            begin = end
+    return found
 
 
 def _ratios(before: Floats, after: Floats) -> Floats:

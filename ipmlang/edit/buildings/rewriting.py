@@ -17,12 +17,13 @@ import numpy as np
 from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.edit.buildings.forms import Forms, Unit
-from ipmlang.edit.buildings.rows import laid_out
+from ipmlang.edit.buildings.rows import Room, laid_out
+from ipmlang.edit.buildings.units import tolerance
 from ipmlang.edit.draft import Change, Draft
-from ipmlang.edit.symbols import Elements, needed_names, without_names
+from ipmlang.edit.symbols import Elements, needed_names, used_names, without_names
 from ipmlang.inverse.frames import Floats, Frames, compose, inverse, moved_to
 
-DIGITS = 9  # of a place that is the same
+SAME = 0.1  # of how near touches, that places may be off and are the same
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,6 +47,7 @@ class Rewriting:
     at: Mapping[Unit, Sequence[Placed]]
     more: Mapping[int, Sequence[Placed]]
     opened: set[int]
+    near: float
     variants: dict[object, str] = field(default_factory=dict)
     made: dict[str, tuple[str, Elements]] = field(default_factory=dict)
     _shapes: dict[int, Placed] = field(default_factory=dict)
@@ -55,11 +57,11 @@ class Rewriting:
         own = self.forms.frame(("shape", row))
         units = self.forms.parts(row)
         stays = [self._stands(unit) for unit in units]
-        shift = _shared(stays)
+        shift = _shared(stays, self.near)
         shift = self._followed(units) if shift is None else shift
         frame = own if shift is None else _moved(own, shift)
         if row not in self.more and all(
-            each is not None and shift is not None and np.allclose(each, shift, atol=1e-9)
+            each is not None and shift is not None and _same(each, shift, self.near)
             for each in stays
         ):
             return Placed(frame, self.forms.plain(("shape", row), self._around(row)))
@@ -123,7 +125,10 @@ class Rewriting:
         placed += self.more.get(row, ())
         back = inverse(frame)
         inside = [Placed(compose(back, each.frame), each.elements) for each in placed]
-        return laid_out([(each.frame, each.elements) for each in inside])
+        parts = [(each.frame, each.elements) for each in inside]
+        body, tables = laid_out(parts, Room(self.near), self.forms.new_name)
+        self.forms.tables += tables
+        return body
 
     def _variant(self, row: int, body: Elements) -> str:
         symbol = self.forms.tree.names[row]
@@ -147,15 +152,19 @@ def _moved(frame: Frames, shift: Floats) -> Frames:
     return Frames(frame.position + shift, frame.rotation, frame.hand, frame.scale)
 
 
-def _shared(shifts: Sequence[Floats | None]) -> Floats | None:
+def _shared(shifts: Sequence[Floats | None], near: float) -> Floats | None:
     """The way that all parts went, or nowhere if some stayed; None where neither is so."""
     known = [each for each in shifts if each is not None]
-    if any(not np.round(each, DIGITS).any() for each in known):
+    if any(_same(each, np.zeros(3), near) for each in known):
         return np.zeros(3)
     if not known or len(known) < len(shifts):
         return None
-    same = all(np.allclose(each, known[0], rtol=0, atol=10**-DIGITS) for each in known)
-    return known[0] if same else None
+    return known[0] if all(_same(each, known[0], near) for each in known) else None
+
+
+def _same(one: Floats, other: Floats, near: float) -> bool:
+    """Whether two ways are one, to what touches."""
+    return bool(np.abs(one - other).max() <= SAME * near)
 
 
 def rewritten(
@@ -175,7 +184,7 @@ def rewritten(
         raise fail("cannot-edit-there", "this grammar starts on several shapes at once", hint=hint)
     changed = {forms.owner(unit) for unit in at} | set(more)
     opened = {row for each in changed for row in tree.above(each)}
-    writing = Rewriting(forms, at, more, opened)
+    writing = Rewriting(forms, at, more, opened, tolerance(tree))
     axiom = writing._body(0, tree.frames[:1])
     return _with_rules(writing, axiom, what)
 
@@ -195,6 +204,7 @@ def _with_rules(writing: Rewriting, axiom: Elements, what: str) -> Draft:
         else:
             new.setdefault(symbol, []).append(ast.Rule(ast.Head(name), body))
     grammar = _placed_rules(draft.grammar, new, bodies, _renamed(axiom, renamed))
+    grammar = _with_tables(grammar, forms.tables)
     grammar = without_names(grammar, needed_names(draft.grammar) - needed_names(grammar))
     changes = [
         Change(symbol, "its parts", symbol if name in renamed else name)
@@ -205,10 +215,17 @@ def _with_rules(writing: Rewriting, axiom: Elements, what: str) -> Draft:
     return made if forms.baking is None else forms.baking.with_assets(made)
 
 
+def _with_tables(grammar: ast.Grammar, tables: Sequence[ast.Table]) -> ast.Grammar:
+    """The grammar with the tables that it reads before its rules."""
+    used = used_names(grammar)
+    read = [each for each in tables if each.name in used]
+    heads = (k for k, item in enumerate(grammar.items) if isinstance(item, ast.Rule | ast.Start))
+    place = next(heads, len(grammar.items))
+    return replace(grammar, items=(*grammar.items[:place], *read, *grammar.items[place:]))
+
+
 def _kept_names(writing: Rewriting, axiom: Elements) -> set[str]:
     """The variants that take the place of their rule: nothing else of it is drawn any more."""
-    from ipmlang.edit.symbols import used_names
-
     forms, grammar = writing.forms, writing.forms.tree.draft.grammar
     heads = Counter(item.head.name for item in grammar.items if isinstance(item, ast.Rule))
     plain = {
