@@ -18,6 +18,7 @@ from ipmlang.inverse.parts.observation import Parts
 from ipmlang.inverse.split.cost import HEAD, scheme_tokens
 from ipmlang.inverse.split.scheme import Scheme
 from ipmlang.inverse.split.search.assembly import assembled, errors, flat
+from ipmlang.inverse.split.search.completing import completed
 from ipmlang.inverse.split.search.drafts import (
     Draft,
     Limits,
@@ -165,7 +166,7 @@ def _offers(field: Field, grown: list[Grown], share: Floats, limits: Limits) -> 
     ranked = sorted(promising.values(), key=lambda pair: (-pair[0], -pair[1].rows.size))
     found: list[Offer] = []
     for gain, each in ranked[: 2 * TRIED]:
-        motif = laid(field, each, limits)
+        motif = laid(field, completed(field, each, limits.error), limits)
         if motif is not None:
             found.append(Offer(gain, motif, _shape(field.draft, motif, limits)))
         if len(found) == TRIED:
