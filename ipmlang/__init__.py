@@ -57,9 +57,11 @@ class Grammar:
     ) -> Scene:
         """Derive the grammar into a scene: a table of instances in derivation order. Without a
         seed, which is seed 0, `start … choices` draws what it drew when it was written. `on` is a
-        file whose faces or closed paths it starts on, instead of what its `start` names.
+        file whose faces or closed paths it starts on, instead of what its `start` names. `backend`:
+        `cpu`, `gpu` (the graphics card, as far as it can) or `auto`: the card if there is one.
 
-        Raises IpmError for an unknown attribute, a value out of range, a limit that was reached.
+        Raises IpmError for an unknown attribute, a value out of range, a limit that was reached,
+        and with `gpu` for a card that is not there, is full or fails.
         """
         from ipmlang.runtime import derive
 

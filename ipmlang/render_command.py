@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ipmlang import options
-from ipmlang.compiler.diagnostics import fail
+from ipmlang.compiler.diagnostics import IpmError, fail
 from ipmlang.telling import device_record, show, tell_notes, working
 
 if TYPE_CHECKING:
@@ -98,18 +98,18 @@ def render_file(
     from ipmlang import load
     from ipmlang.arguments import keep_apart
     from ipmlang.formats.mesh_types import MeshScene
+    from ipmlang.runtime.gpu.device import is_of_card
     from ipmlang.studio import Look, as_seen, check_picture, draw
     from ipmlang.studio.look import parse_background, parse_size, parse_view
 
     check_picture(output, turntable)
     pixels = None if size is None else parse_size(size)
     look = Look(pixels, parse_view(view), ground, parse_background(background), lines)
-    ran = "cpu"
+    derived: Scene | Table | None = None
     with working(f"reading {file.name}") as say:
         if file.suffix.lower() == ".ipm":
             grammar = load(file, allow_outside=allow_outside, style=style)
             derived = _derived(grammar, output, seed, settings, backend, limits)
-            ran = derived.backend
             seen = as_seen(derived)
         elif seed is not None or settings or limits or style or backend != "cpu":
             message = (
@@ -123,7 +123,15 @@ def render_file(
             many = f" ({note.count:,})" if note.count > 1 else ""
             click.echo(f"note: {note.message}{many}", err=True)
         started = time.process_time()
-        draw(seen, look, output, turntable, say)
+        try:
+            draw(seen, look, output, turntable, say)
+        except IpmError as error:
+            if derived is None or backend != "auto" or not is_of_card(error):
+                raise
+            tell_notes([f"derived on the CPU: {error.diagnostics[0].message}"])
+            derived = _derived(grammar, output, seed, settings, "cpu", limits)
+            draw(as_seen(derived), look, output, turntable, say)
+    ran = "cpu" if derived is None else derived.backend
     seconds = time.process_time() - started
     across, down = look.pixels(turntable)
     if as_json:

@@ -11,9 +11,10 @@ from PIL import Image
 
 from ipmlang.bench import TASKS, runs_of
 from ipmlang.cli import run_command_line
-from ipmlang.compiler.diagnostics import IpmError
+from ipmlang.compiler.diagnostics import IpmError, fail
 from ipmlang.runtime.gpu import context as contexts
 from ipmlang.runtime.gpu.device import Device
+from ipmlang.studio.card_copies import CardCopies
 
 WALL = """\
 ipm 1
@@ -73,6 +74,26 @@ def test_render_derives_on_the_card(folder: Path, card: Device) -> None:
     ours, theirs = (np.asarray(Image.open(folder / f"{name}.png"), np.float64) for name in "xy")
     assert np.abs(ours - theirs).mean() < 2
     assert theirs.std() > 2
+
+
+def test_render_falls_back_where_the_card_is_full(
+    folder: Path, card: Device, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def full(copies: CardCopies, *words: object) -> None:
+        raise fail("gpu-memory", "the graphics card is out of memory in `copies`")
+
+    monkeypatch.setattr(Device, "is_software", property(lambda card: False))
+    words = ["render", "wall.ipm", "--size", "80x50", "-o", "x.png", "--json"]
+    assert run_command_line([*words, "--backend", "auto"]) == 0
+    assert json.loads(capsys.readouterr().out)["backend"] == "gpu"
+    (folder / "x.png").unlink()
+    monkeypatch.setattr(CardCopies, "see", full)
+    assert run_command_line([*words, "--backend", "auto"]) == 0
+    said = capsys.readouterr()
+    assert json.loads(said.out)["backend"] == "cpu"
+    assert "derived on the CPU: the graphics card is out of memory" in said.err
+    assert (folder / "x.png").exists()
+    assert run_command_line([*words, "--backend", "gpu"]) == 1
 
 
 def test_render_lets_the_cpu_help(

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from ipmlang.compiler import ir
 from ipmlang.compiler.diagnostics import IpmError
-from ipmlang.runtime.gpu.device import TROUBLE
+from ipmlang.runtime.gpu.device import is_of_card
 
 if TYPE_CHECKING:
     from ipmlang.runtime.gpu.table import Table
@@ -42,10 +42,9 @@ def attempt(
             return None, once(f"derived on the CPU: {card.info.renderer} is no graphics card")
         scene, notes = _derived(program, values, seed, limits)
     except IpmError as error:
-        first = error.diagnostics[0]
-        if first.code not in TROUBLE:
+        if not is_of_card(error):
             raise
-        return None, once(f"derived on the CPU: {first.message}")
+        return None, once(f"derived on the CPU: {error.diagnostics[0].message}")
     return scene, once(*notes)
 
 
@@ -63,7 +62,7 @@ def attempt_table(
             return None
         return derive_table(program, values, seed, limits)
     except IpmError as error:
-        if backend == "auto" and error.diagnostics[0].code in TROUBLE:
+        if backend == "auto" and is_of_card(error):
             return None
         raise
 

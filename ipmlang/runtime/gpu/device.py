@@ -27,8 +27,7 @@ _FULL = "GL_OUT_OF_MEMORY"
 _MOST_ERRORS = 16  # a lost context answers every question with an error
 _ON_CPU = "derive on the CPU: --backend cpu"
 
-TROUBLE = frozenset({"no-opengl", "gpu-memory", "gpu-failed"})
-"""Codes of errors that are the card's, not the grammar's: numpy may do better."""
+_TROUBLE = frozenset({"no-opengl", "gpu-memory", "gpu-failed"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,6 +174,11 @@ class Device:
     def _full(self, size: int) -> IpmError:
         message = f"the graphics card has no memory for another {size:,} bytes"
         return fail("gpu-memory", message, hint=_ON_CPU)
+
+
+def is_of_card(error: IpmError) -> bool:
+    """Whether an error is the card's, not the grammar's, so that numpy may do better."""
+    return error.diagnostics[0].code in _TROUBLE
 
 
 class _Open:

@@ -21,7 +21,7 @@ from ipmlang.runtime.assemble import scene
 from ipmlang.runtime.fields import fields
 from ipmlang.runtime.gpu import encode
 from ipmlang.runtime.gpu.derive import GpuFrontier
-from ipmlang.runtime.gpu.device import TROUBLE, Device, device
+from ipmlang.runtime.gpu.device import Device, device, is_of_card
 from ipmlang.runtime.gpu.explain import reasons
 from ipmlang.runtime.gpu.isa import TERMINAL
 from ipmlang.runtime.gpu.machine import Made
@@ -90,7 +90,7 @@ def derive_table(
             frontier.run(seed)
         enough = frontier.ran and not _needs_more(frontier)
     except IpmError as error:
-        if error.diagnostics[0].code in TROUBLE:
+        if is_of_card(error):
             raise
         return None  # who derives all of it knows the way to where it went wrong
     finally:
