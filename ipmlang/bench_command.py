@@ -121,7 +121,8 @@ def bench(
     report: dict[str, object] = {"machine": machine()}
     card, ready = (None, 0.0) if backend == "cpu" else _card(required=backend == "gpu")
     if card is not None:
-        report["device"] = card.info.record() | {"ready_s": round(ready, 3)}
+        seconds = {"ready_s": round(ready, 3), "compile_s": round(card.compile_seconds, 3)}
+        report["device"] = card.info.record() | seconds
         click.echo(f"{card.info.renderer}, {card.info.driver}: ready in {ready:.3g} s")
     report["scale"] = scale = scale or _scale(card)
     backends: list[Backend] = ["cpu"] if backend != "gpu" else []

@@ -2,8 +2,9 @@
 spot of every pixel and under other lights, added up.
 
 Takes a `Model` once, perhaps copies that are made on the card for each camera, and cameras one
-after the other; gives pixels. A pass draws what is seen, then
-a shadow for each of its lights, then the light. The same model gives the same pixels each time.
+after the other; gives pixels. A pass draws what is seen, then a shadow for each of its lights, then
+the light. The same model gives the same pixels each time; only among copies made on the card may
+faces that lie in each other win by turns.
 """
 
 from __future__ import annotations
