@@ -146,7 +146,9 @@ class Writer:
         arity = self.draw.randint(1, 2)
         own = tuple(Value(name, *TAKEN) for name in ("p", "q")[:arity])
         known = [each for each in self.names if each.text != "m"]  # it would make whole numbers
+        others, self.values.functions = self.values.functions, []  # a call fixes its types
         text = self.values.number(0, 6, (*own, *known), exact, fixed=True)
+        self.values.functions = others
         parameters = ", ".join(each.text for each in own)
         name = f"fn{number}"
         self.lines.append(f"fn {name}({parameters}) = {text}")
