@@ -5,10 +5,10 @@ void put(uint row, uint word, uint rows, uint value, bool back) {
     else next[word * rows + row] = value;
 }
 
-void put_number(uint row, uint word, uint rows, double value, bool back) {
+// One of the two words of a number.
+uint half_of(double value, uint which) {
     uvec2 words = unpackDouble2x32(value);
-    put(row, word, rows, words.x, back);
-    put(row, word + 1u, rows, words.y, back);
+    return (which & 1u) == 0u ? words.x : words.y;
 }
 
 // The record that an instruction makes: what it is, and which registers its parameters stand in,
@@ -27,6 +27,27 @@ struct Record {
 
 Record record;
 
+// Every access to a buffer costs where it is not taken, too, on some devices: so there is one, in a
+// loop over words, and what it writes is worked out.
+uint record_word(uint word) {
+    switch (word) {
+    case HEADER_ENTRY: return record.entry;
+    case HEADER_GENERATION: return record.generation;
+    case HEADER_KEY0: return record.key.x;
+    case HEADER_KEY1: return record.key.y;
+    case HEADER_RULE: return record.rule;
+    case HEADER_PARENT: return node;
+    case HEADER_COPY: return copy_number;
+    case HEADER_SEQUENCE: return sequence;
+    case HEADER_COUNT: return record.many;
+    }
+    uint place = (word - HEADER) / 2u;
+    uint own = place - state_size;
+    uint from = place < state_size ? place
+        : record.list == NONE ? record.first + own : code[record.list + own];
+    return half_of(r[from], word - HEADER);
+}
+
 // It stands at the end of the next queue, or of the table for the CPU. False: there is no room.
 bool append() {
     bool back = record.back;
@@ -36,21 +57,8 @@ bool append() {
         trouble(TROUBLE_COUNT);
     uint rows = back ? returned_rows : next_rows;
     if (row >= rows) return false;
-    put(row, HEADER_ENTRY, rows, record.entry, back);
-    put(row, HEADER_GENERATION, rows, record.generation, back);
-    put(row, HEADER_KEY0, rows, record.key.x, back);
-    put(row, HEADER_KEY1, rows, record.key.y, back);
-    put(row, HEADER_RULE, rows, record.rule, back);
-    put(row, HEADER_PARENT, rows, node, back);
-    put(row, HEADER_COPY, rows, copy_number, back);
-    put(row, HEADER_SEQUENCE, rows, sequence, back);
-    put(row, HEADER_COUNT, rows, record.many, back);
-    for (uint place = 0u; place < state_size + record.parameters; place++) {
-        uint own = place - state_size;
-        uint from = place < state_size ? place
-            : record.list == NONE ? record.first + own : code[record.list + own];
-        put_number(row, HEADER + 2u * place, rows, r[from], back);
-    }
+    uint words = HEADER + 2u * (state_size + record.parameters);
+    for (uint word = 0u; word < words; word++) put(row, word, rows, record_word(word), back);
     sequence++;
     return true;
 }
@@ -61,8 +69,8 @@ bool draw(int asset, uint symbol, uint kind, dvec3 given) {
     dvec3 size = dvec3(0.0lf);
     if (kind == 1u) size = given;
     if (asset == -3 && slot_geometry != NONE) {
-        size = dvec3(r[slot_size], r[slot_size + 1u], r[slot_size + 2u]);
-        if (r[slot_geometry] == 0.0lf) {
+        size = extents;
+        if (geometry == 0.0lf) {
             atomicAdd(counts[COUNT_NOTES + productions + 1u + symbol], 1u);
             return true;
         }
@@ -78,25 +86,22 @@ bool draw(int asset, uint symbol, uint kind, dvec3 given) {
     if (drawn >= most_terminals) trouble(TROUBLE_LIMIT);
     uint row = terminal_first + drawn;
     if (row >= terminal_rows) return false;
-    uint number = sequence++;
-    terminals[TERMINAL_PARENT * terminal_rows + row] = node;
-    terminals[TERMINAL_COPY * terminal_rows + row] = copy_number;
-    terminals[TERMINAL_SEQUENCE * terminal_rows + row] = number;
-    terminals[TERMINAL_SYMBOL * terminal_rows + row] = symbol;
-    terminals[TERMINAL_ASSET * terminal_rows + row] = uint(asset);
-    terminals[TERMINAL_RULE * terminal_rows + row] = rule;
-    terminals[TERMINAL_KEY0 * terminal_rows + row] = key.x;
-    terminals[TERMINAL_KEY1 * terminal_rows + row] = key.y;
-    for (uint axis = 0u; axis < 3u; axis++) {
-        uvec2 words = unpackDouble2x32(size[axis]);
-        terminals[(TERMINAL + 2u * axis) * terminal_rows + row] = words.x;
-        terminals[(TERMINAL + 2u * axis + 1u) * terminal_rows + row] = words.y;
+    uint words = TERMINAL + 6u + 2u * state_size;
+    for (uint word = 0u; word < words; word++) {
+        uint value = node;
+        if (word == TERMINAL_COPY) value = copy_number;
+        if (word == TERMINAL_SEQUENCE) value = sequence;
+        if (word == TERMINAL_SYMBOL) value = symbol;
+        if (word == TERMINAL_ASSET) value = uint(asset);
+        if (word == TERMINAL_RULE) value = rule;
+        if (word == TERMINAL_KEY0) value = key.x;
+        if (word == TERMINAL_KEY1) value = key.y;
+        uint axis = (word - TERMINAL) / 2u;
+        if (word >= TERMINAL + 6u) value = half_of(r[axis - 3u], word - TERMINAL);
+        else if (word >= TERMINAL) value = half_of(size[min(axis, 2u)], word - TERMINAL);
+        terminals[word * terminal_rows + row] = value;
     }
-    for (uint field = 0u; field < state_size; field++) {
-        uvec2 words = unpackDouble2x32(r[field]);
-        terminals[(TERMINAL + 6u + 2u * field) * terminal_rows + row] = words.x;
-        terminals[(TERMINAL + 6u + 2u * field + 1u) * terminal_rows + row] = words.y;
-    }
+    sequence++;
     return true;
 }
 

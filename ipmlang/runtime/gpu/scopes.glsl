@@ -13,16 +13,25 @@ double cut_geometry(double geometry, uint axis, bool begins, bool ends) {
     return data[place + 1u + axis * 4u + (begins ? 2u : 0u) + (ends ? 1u : 0u)];
 }
 
+// The scope's extents and geometry, while an instruction runs; what it makes of them is kept after
+// it, once for all instructions.
+dvec3 extents;
+double geometry;
+bool reshaped;
+
+double extent_of(uint axis) {
+    return axis == 0u ? extents.x : axis == 1u ? extents.y : extents.z;
+}
+
 uint flat_axis() {  // 0: none, 1 to 3: that axis has no extent, 4: more than one has none
     uint found = 0u;
     for (uint axis = 0u; axis < 3u; axis++)
-        if (r[slot_size + axis] <= 0.0lf) found = found == 0u ? axis + 1u : 4u;
+        if (extents[axis] <= 0.0lf) found = found == 0u ? axis + 1u : 4u;
     return found;
 }
 
 bool slab(uint axis, double low, double size) {
-    double extent = r[slot_size + axis];
-    double geometry = r[slot_geometry];
+    double extent = extent_of(axis);
     if (!fills(geometry)) {
         trouble(TROUBLE_GEOMETRY);
         return false;
@@ -33,9 +42,12 @@ bool slab(uint axis, double low, double size) {
     }
     bool begins = low > 1e-9lf * extent;
     bool ends = low + size < extent * (1.0lf - 1e-9lf);
-    r[slot_geometry] = cut_geometry(geometry, axis, begins, ends);
+    geometry = cut_geometry(geometry, axis, begins, ends);
     go_by(dvec3(axis == 0u ? low : 0.0lf, axis == 1u ? low : 0.0lf, axis == 2u ? low : 0.0lf));
-    r[slot_size + axis] = size;
+    if (axis == 0u) extents.x = size;
+    else if (axis == 1u) extents.y = size;
+    else extents.z = size;
+    reshaped = true;
     return true;
 }
 
@@ -44,16 +56,13 @@ void resize(dvec3 size) {
         trouble(TROUBLE_EXTENT);
         return;
     }
-    r[slot_size] = size.x;
-    r[slot_size + 1u] = size.y;
-    r[slot_size + 2u] = size.z;
-    double geometry = r[slot_geometry];
+    extents = size;
+    reshaped = true;
     if (size.z != 0.0lf && geometry != 0.0lf && !fills(geometry)) trouble(TROUBLE_GEOMETRY);
 }
 
 double measured(uint what) {
-    double sx = r[slot_size], sy = r[slot_size + 1u], sz = r[slot_size + 2u];
-    double geometry = r[slot_geometry];
+    double sx = extents.x, sy = extents.y, sz = extents.z;
     if (geometry == 0.0lf) return 0.0lf;
     if (geometry > 1.0lf) {  // its tags may make it anything
         trouble(TROUBLE_GEOMETRY);
@@ -67,21 +76,21 @@ double measured(uint what) {
 }
 
 void extrude(double height, double made) {
-    bool rectangle = r[slot_size + 2u] <= 0.0lf && r[slot_size] > 0.0lf && r[slot_size + 1u] > 0.0lf;
-    if (!rectangle || !fills(r[slot_geometry]) || !is_finite(height) || height == 0.0lf) {
+    bool rectangle = extents.z <= 0.0lf && extents.x > 0.0lf && extents.y > 0.0lf;
+    if (!rectangle || !fills(geometry) || !is_finite(height) || height == 0.0lf) {
         trouble(TROUBLE_GEOMETRY);
         return;
     }
     if (height < 0.0lf) go_by(dvec3(0.0lf, 0.0lf, height));
-    r[slot_size + 2u] = abs(height);
-    r[slot_geometry] = made;
+    extents.z = abs(height);
+    geometry = made;
+    reshaped = true;
 }
 
 // The faces of a box that a part takes: for each geometry and flat axis 13 numbers, how many they
 // are, which, and their geometries.
 
 uint faces_of(uint table) {
-    double geometry = r[slot_geometry];
     if (!fills(geometry)) {
         trouble(TROUBLE_GEOMETRY);
         return 0u;
@@ -99,8 +108,7 @@ void face(uint table, double number) {
     uint place = faces_of(table);
     if (given_up) return;
     uint which = uint(data[place + 1u + uint(number)]);
-    double geometry = data[place + 7u + uint(number)];
-    double sx = r[slot_size], sy = r[slot_size + 1u], sz = r[slot_size + 2u];
+    double sx = extents.x, sy = extents.y, sz = extents.z;
     double half_root = sqrt(0.5lf);
     Turn q;
     dvec3 corner = dvec3(0.0lf);
@@ -132,22 +140,20 @@ void face(uint table, double number) {
     }
     go_by(corner);
     spin_by(q);
-    r[slot_size] = size.x;
-    r[slot_size + 1u] = size.y;
-    r[slot_size + 2u] = 0.0lf;
-    r[slot_geometry] = geometry;
+    extents = dvec3(size, 0.0lf);
+    geometry = data[place + 7u + uint(number)];
+    reshaped = true;
 }
 
 // To the point of the scope's box that has these shares of it, or back from there.
 void center(uint share, bool back) {
-    dvec3 by = dvec3(r[slot_size] * data[share], r[slot_size + 1u] * data[share + 1u],
-                     r[slot_size + 2u] * data[share + 2u]);
+    dvec3 by = extents * dvec3(data[share], data[share + 1u], data[share + 2u]);
     go_by(back ? -by : by);
 }
 
 // Mirrored within itself along an axis, but for the handedness, which changes after it.
 void flip(uint axis) {
-    double extent = r[slot_size + axis];
+    double extent = extent_of(axis);
     go_by(dvec3(axis == 0u ? extent : 0.0lf, axis == 1u ? extent : 0.0lf,
                   axis == 2u ? extent : 0.0lf));
     spin_by(axis == 0u ? Turn(1.0lf, 0.0lf, 0.0lf, 0.0lf)

@@ -25,7 +25,7 @@ Words = NDArray[np.uint32]
 
 SLOTS = 16  # frames that a stack has room for at first
 FRAME = 8  # words of a frame before its numbers
-STATUS = 2  # words of a stack before its state
+STATUS = 2  # words of a stack before its frames
 
 
 @dataclass(slots=True, eq=False)
@@ -78,13 +78,11 @@ class Seeds(Machine):
 
     def _stack_words(self, slots: int) -> int:
         """Words of the stack of one thread."""
-        return STATUS + 2 * self.layout.state + (slots + 1) * self._frame
+        return STATUS + (slots + 1) * self._frame
 
     @property
     def _frame(self) -> int:
-        layout = self.layout
-        state = layout.state if layout.uniforms["forks"] else 0
-        return FRAME + 2 * (layout.uniforms["registers"] + state)
+        return FRAME + 2 * (self.layout.uniforms["registers"] + self.layout.state)
 
     def _part(
         self, part: Words, begin: int, made: Made, counts: Words, bounds: Bounds

@@ -57,28 +57,21 @@ void keep(uint word, uint value) { stack[word * threads + thread_number] = value
 
 uint kept(uint word) { return stack[word * threads + thread_number]; }
 
-void keep_number(uint word, double value) {
-    uvec2 words = unpackDouble2x32(value);
-    keep(word, words.x);
-    keep(word + 1u, words.y);
-}
-
-double kept_number(uint word) { return packDouble2x32(uvec2(kept(word), kept(word + 1u))); }
-
-void push(uint at) {
-    uint frame = 2u + 2u * state_size + depth * frame_words;
-    keep(frame, at);
-    keep(frame + 1u, rule);
-    keep(frame + 2u, following);
-    keep(frame + 3u, own_key.x);
-    keep(frame + 4u, own_key.y);
-    keep(frame + 5u, key.x);
-    keep(frame + 6u, key.y);
-    keep(frame + 7u, (shown ? 1u : 0u) | (absent ? 2u : 0u));
-    uint many = registers + (forks != 0u ? state_size : 0u);
+// A frame is pairs of words: four of its own, then registers, then the state.
+void push(uint at, bool with_state) {
+    uint frame = 2u + depth * frame_words;
+    uint many = 4u + registers + (with_state ? state_size : 0u);
     for (uint place = 0u; place < many; place++) {
-        uint own = place < registers ? state_size + place : place - registers;
-        keep_number(frame + 8u + 2u * place, r[own]);
+        uvec2 pair = uvec2(at, rule);
+        if (place == 1u) pair = uvec2(following, (shown ? 1u : 0u) | (absent ? 2u : 0u));
+        if (place == 2u) pair = own_key;
+        if (place == 3u) pair = key;
+        if (place >= 4u) {
+            uint own = place - 4u;
+            pair = unpackDouble2x32(r[own < registers ? state_size + own : own - registers]);
+        }
+        keep(frame + 2u * place, pair.x);
+        keep(frame + 2u * place + 1u, pair.y);
     }
     depth++;
     spent += many / 8u;
@@ -86,20 +79,28 @@ void push(uint at) {
 
 uint pop(bool with_state) {
     depth--;
-    uint frame = 2u + 2u * state_size + depth * frame_words;
-    rule = kept(frame + 1u);
-    following = kept(frame + 2u);
-    own_key = uvec2(kept(frame + 3u), kept(frame + 4u));
-    key = uvec2(kept(frame + 5u), kept(frame + 6u));
-    shown = (kept(frame + 7u) & 1u) != 0u;
-    absent = (kept(frame + 7u) & 2u) != 0u;
-    uint many = registers + (with_state ? state_size : 0u);
+    uint at = 0u;
+    uint frame = 2u + depth * frame_words;
+    uint many = 4u + registers + (with_state ? state_size : 0u);
     for (uint place = 0u; place < many; place++) {
-        uint own = place < registers ? state_size + place : place - registers;
-        r[own] = kept_number(frame + 8u + 2u * place);
+        uvec2 pair = uvec2(kept(frame + 2u * place), kept(frame + 2u * place + 1u));
+        if (place == 0u) {
+            at = pair.x;
+            rule = pair.y;
+        }
+        if (place == 1u) {
+            following = pair.x;
+            shown = (pair.y & 1u) != 0u;
+            absent = (pair.y & 2u) != 0u;
+        }
+        if (place == 2u) own_key = pair;
+        if (place == 3u) key = pair;
+        uint own = place - 4u;
+        if (place >= 4u)
+            r[own < registers ? state_size + own : own - registers] = packDouble2x32(pair);
     }
     spent += many / 8u;
-    return kept(frame);
+    return at;
 }
 
 #endif
@@ -132,56 +133,83 @@ void run(uint at, uint action) {
         circles = false;
         spent++;
         uint here = at;
+        // what is read and written stands in arrays: once each, whatever the instruction
+        double ra = r[a], rb = r[b], rc = r[c];
+        double result = 0.0lf;
+        bool writes = false;
+        reshaped = false;
+        if (slot_size != NONE) {
+            extents = dvec3(r[slot_size], r[slot_size + 1u], r[slot_size + 2u]);
+            geometry = r[slot_geometry];
+        }
         if (action == DONE) {
             at += 4u;
             switch (word & 255u) {
             case OP_END: action = RETURN; break;
-            case OP_LOAD: r[target] = data[z]; break;
-            case OP_COPY: r[target] = r[a]; break;
+            case OP_LOAD:
+                result = data[z];
+                writes = true;
+                break;
+            case OP_COPY:
+                result = ra;
+                writes = true;
+                break;
             case OP_CALL: {
                 double given[ARGUMENTS];
-                given[0] = r[a];
-                given[1] = r[b];
-                given[2] = r[c];
-                r[target] = function_of(z, given);
+                given[0] = ra;
+                given[1] = rb;
+                given[2] = rc;
+                result = function_of(z, given);
+                writes = true;
                 break;
             }
             case OP_PICK: {
-                uint place = uint(min(floor(r[a] * double(n)), double(n - 1u)));
-                r[target] = r[code[z + place]];
+                uint place = uint(min(floor(ra * double(n)), double(n - 1u)));
+                result = r[code[z + place]];
+                writes = true;
                 break;
             }
             case OP_KEY:
                 if (n != 0u && spent > budget && resumable != 0u) action = STOP;
                 else key = z == NONE ? own_key : mixed(own_key, z);
                 break;
-            case OP_MIX: key = mixed(key, to_word(r[a])); break;
-            case OP_UNIFORM: r[target] = draw_of(key); break;
+            case OP_MIX: key = mixed(key, to_word(ra)); break;
+            case OP_UNIFORM:
+                result = draw_of(key);
+                writes = true;
+                break;
             case OP_ROW:
-                r[target] = data[z + (r[a] > 0.0lf ? uint(min(r[a], double(w - 1u))) : 0u)];
+                result = data[z + (ra > 0.0lf ? uint(min(ra, double(w - 1u))) : 0u)];
+                writes = true;
                 break;
-            case OP_MOVE: go_by(dvec3(r[a], r[b], r[c])); break;
-            case OP_TURN: rotate_by(z, r[a]); break;
-            case OP_ORIENT: orient_by(r[a], r[b], r[c], r[d]); break;
+            case OP_MOVE: go_by(dvec3(ra, rb, rc)); break;
+            case OP_TURN: rotate_by(z, ra); break;
+            case OP_ORIENT: orient_by(ra, rb, rc, r[d]); break;
             case OP_SCALE:
-                if (!(r[a] > 0.0lf)) trouble(TROUBLE_FACTOR);
-                r[slot_scale] *= r[a];
+                if (!(ra > 0.0lf)) trouble(TROUBLE_FACTOR);
+                target = slot_scale;
+                result = scale_factor() * ra;
+                writes = true;
                 break;
-            case OP_MIRROR: r[slot_scale] = -r[slot_scale]; break;
+            case OP_MIRROR:
+                target = slot_scale;
+                result = -scale_factor();
+                writes = true;
+                break;
             case OP_LEVEL: level(); break;
-            case OP_SIZE: resize(dvec3(r[a], r[b], r[c])); break;
-            case OP_SLAB: if (!slab(z, r[a], r[b])) at = w; break;
-            case OP_ZERO: if (r[a] == 0.0lf) at = z; break;
+            case OP_SIZE: resize(dvec3(ra, rb, rc)); break;
+            case OP_SLAB: if (!slab(z, ra, rb)) at = w; break;
+            case OP_ZERO: if (ra == 0.0lf) at = z; break;
 #ifdef PER_SEED
-            case OP_SHOW: shown = r[a] != 0.0lf && !absent; break;
+            case OP_SHOW: shown = ra != 0.0lf && !absent; break;
 #else
-            case OP_SHOW: shown = r[a] != 0.0lf; break;
+            case OP_SHOW: shown = ra != 0.0lf; break;
 #endif
             case OP_EMIT:
 #ifdef PER_SEED
-                if (!draw(int(z), w, n, dvec3(r[a], r[b], r[c]))) action = STOP;
+                if (!draw(int(z), w, n, dvec3(ra, rb, rc))) action = STOP;
 #else
-                draw(int(z), w, n, dvec3(r[a], r[b], r[c]));  // its need is counted to the end
+                draw(int(z), w, n, dvec3(ra, rb, rc));  // its need is counted to the end
 #endif
                 break;
             case OP_CHILD:
@@ -208,30 +236,47 @@ void run(uint at, uint action) {
                 if (shown) count_shape();
                 break;
             case OP_RANGE:
-                if (!shown || !(r[a] > 0.0lf)) break;
-                record = Record(BLOCK | z, following, own_key, rule, uint(r[a]), w, 0u, n, false);
+                if (!shown || !(ra > 0.0lf)) break;
+                record = Record(BLOCK | z, following, own_key, rule, uint(ra), w, 0u, n, false);
                 action = MAKE;
                 break;
-            case OP_COUNT: r[target] = copies_of(r[a]); break;
+            case OP_COUNT:
+                result = copies_of(ra);
+                writes = true;
+                break;
             case OP_LOOP:
-                r[a] += 1.0lf;
-                if (!(r[a] < r[b])) break;
+                result = ra + 1.0lf;
+                writes = true;
+                target = a;
+                if (!(result < rb)) break;
                 at = z;
                 if (n == 0u && spent > budget) {
                     here = at;
                     action = STOP;
                 }
                 break;
-            case OP_FETCH: r[target] = sampled(code[z], r[a], r[b]); break;
-            case OP_MEASURE: r[target] = measured(z); break;
-            case OP_EXTRUDE: extrude(r[a], data[z]); break;
-            case OP_FACES: r[target] = face_count(z); break;
-            case OP_FACE: face(z, r[a]); break;
+            case OP_FETCH:
+                result = sampled(code[z], ra, rb);
+                writes = true;
+                break;
+            case OP_MEASURE:
+                result = measured(z);
+                writes = true;
+                break;
+            case OP_EXTRUDE: extrude(ra, data[z]); break;
+            case OP_FACES:
+                result = face_count(z);
+                writes = true;
+                break;
+            case OP_FACE: face(z, ra); break;
             case OP_CENTER: center(z, n != 0u); break;
             case OP_FLIP: flip(z); break;
-            case OP_GEOMETRY: r[slot_geometry] = data[z]; break;
+            case OP_GEOMETRY:
+                geometry = data[z];
+                reshaped = true;
+                break;
             case OP_RULE: blamed = rule = z; break;
-            case OP_SHARE: share(z, r[a]); break;
+            case OP_SHARE: share(z, ra); break;
             case OP_TAKE:
                 if (taken == NONE) taken = z;
                 at = w;
@@ -246,9 +291,19 @@ void run(uint at, uint action) {
                 blamed = rule = code[z + 2u * taken + 1u];
                 break;
             case OP_JUMP: at = z; break;
-            case OP_DIFFER: r[target] = r[a] != r[b] ? 1.0lf : 0.0lf; break;
+            case OP_DIFFER:
+                result = ra != rb ? 1.0lf : 0.0lf;
+                writes = true;
+                break;
             default: trouble(TROUBLE_GEOMETRY);
             }
+        }
+        if (writes) r[target] = result;
+        if (reshaped) {
+            r[slot_size] = extents.x;
+            r[slot_size + 1u] = extents.y;
+            r[slot_size + 2u] = extents.z;
+            r[slot_geometry] = geometry;
         }
         if (given_up) return;
         if (moves || spins) move_and_spin();
@@ -280,12 +335,11 @@ void run(uint at, uint action) {
         } else if (action == MAKE) {
             action = DONE;
         }
-        if (action == STOP || (action == CALL && d == 0u)) push(action == STOP ? here : at);
+        if (action == STOP || (action == CALL && d == 0u))
+            push(action == STOP ? here : at, action == STOP || forks != 0u);
         if (action == STOP) {
             keep(0u, depth);
             keep(1u, sequence);
-            for (uint field = 0u; field < state_size; field++)
-                keep_number(2u + 2u * field, r[field]);
             atomicAdd(counts[COUNT_RECORDS], 1u);
             complete = true;
             return;
@@ -314,10 +368,7 @@ void run(uint at, uint action) {
             complete = true;
             return;
         }
-        if (action == RETURN || action == RESUMED) at = pop(action == RETURN && forks != 0u);
-        if (action == RESUMED)
-            for (uint field = 0u; field < state_size; field++)
-                r[field] = kept_number(2u + 2u * field);
+        if (action == RETURN || action == RESUMED) at = pop(action == RESUMED || forks != 0u);
 #else
         if (action == STOP) describe_rest(here);
         if (action == MAKE || action == STOP) append();
