@@ -30,6 +30,7 @@ from ipmlang.inverse.frames import Floats, Frames, from_matrices, linear
 
 LARGE, LITTLE = 1.8, 0.4  # times its size: beyond, a part is split, or joined (section 4.1)
 SAME = 1e-9
+EVEN = 0.1  # of how near touches, by which sizes may differ and are the same
 
 
 @dataclass(frozen=True, slots=True)
@@ -273,7 +274,7 @@ class Rebuilt:
         for rows in kinds.values():
             for axis in range(3):
                 size = (self.high - self.low)[rows, axis]
-                off = 0.5 * (size - evened(size, self.near))
+                off = 0.5 * (size - evened(size, EVEN * self.near))
                 self.low[rows, axis] += off
                 self.high[rows, axis] -= off
 
