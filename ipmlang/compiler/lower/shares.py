@@ -274,7 +274,8 @@ def _times(code: Code, piece: Piece, room: Operand, period: Operand) -> Operand:
         return code.call("tiles", (room, period))
     rounded = "ceil" if _cuts(piece) else "floor"
     found = code.call(rounded, (code.call("div", (room, period)),))
-    return code.call("select", (code.call("gt", (period, Known(0.0))), found, Known(0.0)))
+    none = code.call("le", (period, Known(0.0)))  # not so of a size that is no number: that is told
+    return code.call("select", (none, Known(0.0), found))
 
 
 def _sized(code: Code, piece: Piece, factor: Operand) -> Operand:

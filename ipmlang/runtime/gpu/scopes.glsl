@@ -37,6 +37,7 @@ bool slab(uint axis, double low, double size) {
         return false;
     }
     if (!(size > 1e-9lf * extent)) {
+        if (shown && !is_finite(size)) trouble(TROUBLE_NOT_FINITE);
         if (shown) atomicAdd(counts[COUNT_NOTES + (rule == NONE ? productions : rule)], 1u);
         return false;
     }

@@ -130,7 +130,7 @@ class Scoping(Copying):
             low, size = low * share, size * share
         there = np.asarray(size > SNAP * np.asarray(extent))
         if not there.all():
-            self._miss(there, shown, count)
+            self._miss(there, size, shown, count)
             shown = _narrowed(shown, np.broadcast_to(there, (count,)))
         if boxes_all:
             geometry = self._cut_boxes(axis, low, size, extent, geometry, count)
@@ -143,12 +143,16 @@ class Scoping(Copying):
         shown = _narrowed(shown, rows[:, 2] != NOTHING)
         return shown, rows[:, 0], rows[:, 1], rows[:, 2]
 
-    def _miss(self, there: NDArray[np.bool_], shown: Rows, count: int) -> None:
-        missing = ~np.broadcast_to(there, (count,))
-        self.missed(int(missing.sum() if shown is None else missing[shown].sum()))
+    def _miss(self, there: NDArray[np.bool_], size: Column, shown: Rows, count: int) -> None:
+        rows = slice(None) if shown is None else shown
+        missing = ~np.broadcast_to(there, (count,))[rows]
+        self.missed(np.broadcast_to(np.asarray(size), (count,))[rows][missing])
 
-    def missed(self, many: int) -> None:
-        """Note so many parts of splits that are not made."""
+    def missed(self, sizes: Floats) -> None:
+        """Note parts of splits that are not made, of these sizes; that must be numbers."""
+        if np.isnan(sizes).any():
+            raise self.counted.error("not-a-number", "the size of a part of a split is no number")
+        many = len(sizes)
         rule = self.counted.rule
         self.reports.unfit[rule] = self.reports.unfit.get(rule, 0) + many
 

@@ -200,8 +200,9 @@ class Unwrapping(Scoping):
         from where it is least. Each has the box of its geometry.
         """
         change = self._runs(name, state)
-        there = np.flatnonzero(size > SNAP * self._lengths(state, change))
-        self.missed(len(size) - len(there))
+        fits = size > SNAP * self._lengths(state, change)
+        there = np.flatnonzero(fits)
+        self.missed(size[~fits])
         sizes = [state[field] for field in SIZES]
         kinds = table(there, len(size), state["geo"], *sizes, *change.T, low, size)
         found = np.zeros((len(kinds.first), 7))
