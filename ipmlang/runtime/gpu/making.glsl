@@ -53,8 +53,10 @@ bool append() {
     bool back = record.back;
     uint row = atomicAdd(counts[back ? COUNT_RETURNED : COUNT_RECORDS], 1u);
     if (back) row += returned_first;
-    else if (atomicAdd(counts[COUNT_COPIES], record.many) + record.many < record.many)
-        trouble(TROUBLE_COUNT);
+    else {  // copies are shapes that are yet to be made
+        uint before = atomicAdd(counts[COUNT_COPIES], record.many);
+        if (record.many > most_shapes || before > most_shapes - record.many) trouble(TROUBLE_LIMIT);
+    }
     uint rows = back ? returned_rows : next_rows;
     if (row >= rows) return false;
     uint words = HEADER + 2u * (state_size + record.parameters);
