@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 import ipmlang
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError
@@ -115,7 +116,7 @@ def test_a_card_that_is_full_once(name: str, allocations: Allocations) -> None:
     assert run(name).backend.startswith("gpu")
     survived = 0
     for number in range(1, allocations.count + 1):
-        allocations.count, allocations.refused = 0, lambda asked, at=number: asked == at
+        allocations.count, allocations.refused = 0, number.__eq__
         try:
             found = run(name)
         except IpmError as error:
@@ -132,7 +133,7 @@ def test_a_card_that_is_full_from_then_on(name: str, allocations: Allocations) -
     assert run(name).backend.startswith("gpu")
     failed = 0
     for number in range(1, allocations.count + 1):
-        allocations.count, allocations.refused = 0, lambda asked, at=number: asked >= at
+        allocations.count, allocations.refused = 0, number.__le__
         attempt._Told.notes = frozenset()
         scene = run(name, "auto")
         if scene.backend == "cpu" and scene.notes:
@@ -152,9 +153,11 @@ def test_threads_that_do_not_come_to_their_end(
 ) -> None:
     array = Storage.array
 
-    def reading(own: Storage, *args: object) -> object:
-        found = array(own, *args)  # type: ignore[arg-type]
-        if len(args) == 1:  # all of them: the counts
+    def reading(
+        own: Storage, kind: type[np.uint32], count: int | None = None, offset: int = 0
+    ) -> NDArray[np.uint32]:
+        found = array(own, kind, count, offset)
+        if count is None:  # all that there are: the counts
             found[Count.ENDED] -= 1
         return found
 

@@ -16,7 +16,9 @@ from ipmlang.runtime import derive
 from ipmlang.runtime.gpu import machine
 from ipmlang.runtime.gpu.derive import GpuFrontier
 from ipmlang.runtime.gpu.device import Device
+from ipmlang.runtime.gpu.isa import Trouble
 from ipmlang.runtime.gpu.machine import TroubleError
+from ipmlang.runtime.gpu.storage import Storage
 from ipmlang.runtime.scene import Scene
 from tests.agreement import Outcome, assert_agree, outcome
 
@@ -135,11 +137,12 @@ def test_what_never_ends(name: str, card: Device, monkeypatch: pytest.MonkeyPatc
     each = ENDLESS[name]
     largest: list[int] = []
     buffer = Device.buffer
-    monkeypatch.setattr(
-        Device, "buffer",
-        lambda own, content: largest.append(
-            content if isinstance(content, int) else len(content)) or buffer(own, content),
-    )  # fmt: skip
+
+    def allocating(own: Device, content: bytes | int) -> Storage:
+        largest.append(content if isinstance(content, int) else len(content))
+        return buffer(own, content)
+
+    monkeypatch.setattr(Device, "buffer", allocating)
     wanted, found = (ran(each.text, backend, each.limits) for backend in ("cpu", "gpu"))
     assert isinstance(found, Diagnostic)
     assert found.code == f"limit-{each.code}"
@@ -187,7 +190,7 @@ def test_trouble_that_numpy_does_not_share(threads: bool, monkeypatch: pytest.Mo
     """The card gives up, the CPU does not: its scene, and a note."""
 
     def give_up(own: machine.Machine, *args: object, **more: object) -> None:
-        raise TroubleError(machine.Trouble.COUNT)
+        raise TroubleError(Trouble.COUNT)
 
     for kind in (machine.Machine, *machine.Machine.__subclasses__()):
         monkeypatch.setattr(kind, "run", give_up)

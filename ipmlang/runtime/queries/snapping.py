@@ -161,7 +161,7 @@ class Snapping(Asking):
         extent = full(state[SIZES[axis]], count)
         pieces = together(self._pieces.pop(number, []))
         there = pieces.size > SNAP * extent[pieces.row]
-        self.missed(int((~there).sum()))
+        self.missed(pieces.size[~there])
         pieces = pieces.ordered(there)
         names, within, reach = (full(each, count) for each in args)
         rows = np.arange(count) if shown is None else shown
