@@ -10,12 +10,14 @@ from __future__ import annotations
 
 from collections import Counter
 from pathlib import Path
+from random import Random
 
 import pytest
 
 from ipmlang.compiler import compile_file, compile_text
 from ipmlang.compiler.ir import Program
 from ipmlang.runtime import derive
+from ipmlang.runtime.gpu import machine, seeds
 from ipmlang.runtime.gpu.device import Device
 from ipmlang.runtime.scene import Scene
 from tests.agreement import assert_agree, outcome
@@ -49,6 +51,11 @@ SMALL = {
         B(n) : else --> F
         C --> repeat(k < 2) except (0) { F } F
         start A F""",
+    "copies that are broken off keep all their registers": """
+        A(n, g) --> split y { { ~max(n, 1): V V | 1.13: rotate(0, 0, 40, about: bottom) V }* }
+        B --> split x { 1: A(floor(split.count), 1) }
+        Z --> repeat(k < 1) { translate(1, 1, 1) } A(1, 1)
+        start Z on box(1, 6)""",
     "no production for a symbol in a hole": """
         A --> repeat(i < 2) except (1) { B(i) f(2) } F
         B(i) : i < 1 --> -
@@ -92,11 +99,35 @@ def test_files_agree(path: Path, card: Device, tmp_path: Path) -> None:
     agreed(compile_file(path)[1], 3, attrs=SMALLER.get(path.stem), on=on)
 
 
+@pytest.mark.parametrize("budget", [20, machine.BUDGET_SOFTWARE])
 @pytest.mark.parametrize("name", SMALL)
-def test_what_once_differed_agrees(name: str, card: Device) -> None:
+def test_what_once_differed_agrees(
+    name: str, budget: int, card: Device, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(machine, "BUDGET_SOFTWARE", budget)
+    monkeypatch.setattr(machine, "BUDGET", budget)
     text = "\n".join(["ipm 1", *(line.strip() for line in SMALL[name].splitlines()), ""])
     for seed in range(3):
         assert agreed(compile_text(text)[1], seed, text) in ("gpu", "gpu+cpu", "error")
+
+
+@pytest.mark.parametrize("start", range(0, 96, 32))
+def test_random_grammars_agree_where_room_is_tight(
+    start: int, card: Device, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Passes are cut small, tables run over, bodies are broken off, narrow growth goes by threads
+    with stacks that are too small: what is made stays the same.
+    """
+    for number in range(start, start + 32):
+        draw = Random(number)
+        monkeypatch.setattr(machine, "SLICE", draw.choice((1, 3, 17, 1 << 20)))
+        monkeypatch.setattr(machine, "GROWTH", draw.choice((0.01, 0.3, 1.3)))
+        monkeypatch.setattr(machine, "DEEP", draw.choice((0, 1, 64)))
+        monkeypatch.setattr(machine, "BUDGET_SOFTWARE", draw.choice((20, 60, 300)))
+        monkeypatch.setattr(machine, "BUDGET", draw.choice((20, 60, 300)))
+        monkeypatch.setattr(seeds, "SLOTS", draw.choice((1, 2, 16)))
+        text = grammar(number)
+        agreed(compile_text(text, folder=FOLDER)[1], number, f"grammar({number}):\n{text}")
 
 
 @pytest.mark.parametrize("start", range(0, RANDOM, CHUNK))

@@ -51,7 +51,7 @@ class Elements:
         self._last = ending(body, self.words.calls == "forks")
         self._breaks = 1
         self.body(body, Names(self.room.own()))
-        self.words.registers = max(self.words.registers, self.room.most - len(self.room.fields))
+        self.words.need(self.room.most - len(self.room.fields))
 
     def acts(
         self, meaning: Sequence[ir.Instruction], symbol: int, site: int | None, names: Names
@@ -362,6 +362,7 @@ class Elements:
         )  # fmt: skip
         shown = inner.clear(each, own)
         inner.body(each.body, replace(own, shown=shown))
+        self.words.need(inner.room.most - len(inner.room.fields))
         self.words.put(Op.END)
         self.words.patch(jump, 2)
 

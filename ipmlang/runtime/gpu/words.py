@@ -82,6 +82,10 @@ class Words:
         ]  # fmt: skip
         return at
 
+    def need(self, registers: int) -> None:
+        """A body, or a block of copies, holds so many numbers beside the state."""
+        self.registers = max(self.registers, registers)
+
     def patch(self, at: int, word: int) -> None:
         """Let a jump of the instruction at a place lead to here."""
         self._code[at + word] = self.here
