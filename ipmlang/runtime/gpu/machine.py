@@ -218,7 +218,8 @@ class Machine:
         """
         room, exact = int(many * self._ratio * GROWTH), False
         while True:
-            rows = self.memory.guessed(self.layout.record, room)
+            queue = self.memory.rows if exact else self.memory.guessed
+            rows = queue(self.layout.record, room)
             fills = self._fills(made, many, rows)
             counts = self._dispatch(each, many, fills, before, limits(bounds, made))
             needs = tuple(int(counts[word]) for word in FILLED)

@@ -99,8 +99,8 @@ class Memory:
         """A table with room for so many more rows, which is filled from now on."""
         if tables and not tables[-1].count:
             self.spare(tables.pop())
-        seen = sum(rows.count for rows in tables)
-        tables.append(self.guessed(width, max(int(room * 1.05), seen // 2)))
+        ahead = min(sum(rows.count for rows in tables) // 2, GUESSED // (4 * width))
+        tables.append(self.rows(width, max(int(room * 1.05), ahead)))
         return tables[-1]
 
     def spare(self, rows: Rows) -> None:
