@@ -44,6 +44,8 @@ HOPE = 1.3  # times the bound that a scheme seems off, which a proof may still f
 NOTHING = 0.1  # of that, what is printed as nothing
 LEAST = 2.0  # tokens that a rule has to save
 TRIED = 10  # candidates of a round that are priced exactly
+VARIANTS = 4  # of motifs that share rows, among very many rows: a round finds several motifs there
+CROWD = 1000  # rows that are very many
 ROUNDS = 60
 SEEDS = 100  # kinds of pairs that are grown before what grew is priced
 BATCHES = 3  # how often in a round, where nothing pays
@@ -165,13 +167,22 @@ def _offers(field: Field, grown: list[Grown], share: Floats, limits: Limits) -> 
             promising.setdefault(np.sort(each.rows.ravel()).tobytes(), (gain, each))
     ranked = sorted(promising.values(), key=lambda pair: (-pair[0], -pair[1].rows.size))
     found: list[Offer] = []
-    for gain, each in ranked[: 2 * TRIED]:
+    for gain, each in islice(_various(field, ranked), 2 * TRIED):
         motif = laid(field, completed(field, each, limits.error), limits)
         if motif is not None:
             found.append(Offer(gain, motif, _shape(field.draft, motif, limits)))
         if len(found) == TRIED:
             break
     return found
+
+
+def _various(field: Field, ranked: list[tuple[float, Grown]]) -> Iterator[tuple[float, Grown]]:
+    """The motifs in order; among very many rows without those that several before them are like."""
+    variants = np.zeros(len(field.draft), np.int64)
+    for gain, each in ranked:
+        if len(field.draft) < CROWD or variants[each.rows[0]].max() < VARIANTS:
+            variants[each.rows.ravel()] += 1
+            yield gain, each
 
 
 def _promise(share: Floats) -> float:
