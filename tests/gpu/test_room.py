@@ -58,7 +58,17 @@ A(n) : else --> F(9)
 B --> +(2) F(0.1)
 start A(90)
 """
-PROGRAMS = {"town": TOWN, "copies": COPIES, "threaded": THREADED, "deep": DEEP}
+MANY = """ipm 1
+A(n) : n > 1500 --> F(n)
+A(n) : else --> [F(1)] [+(n) F(rand(9))]
+start repeat(i < 3000) { [A(i)] }
+"""
+CHAINS = """ipm 1
+A(n) : n > 0 --> [+(rand(9)) A(n - 1)] [F(1 + n)]
+A(n) : else --> F(9)
+start repeat(i < 40) { [A(150 + i)] }
+"""
+PROGRAMS = {"many": MANY, "town": TOWN, "copies": COPIES, "threaded": THREADED, "deep": DEEP}
 
 
 class Watched:
@@ -149,6 +159,25 @@ def test_stacks_grow(watched: Watched, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(seeds, "SLOTS", 1)
     assert_same(DEEP)
     assert len(watched.passes) > 6  # 1, 2, 4, ... 128 frames
+
+
+def test_threads_whose_stacks_find_no_room_run_in_smaller_parts(
+    card: Device, watched: Watched, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    card.limits = replace(card.limits, block_bytes=1 << 17)
+    monkeypatch.setattr(memory, "FEWEST", 8)
+    again = 0
+    back = seeds.Seeds._back
+
+    def counted(own: seeds.Seeds, *args: object) -> None:
+        nonlocal again
+        again += 1
+        back(own, *args)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(seeds.Seeds, "_back", counted)
+    assert_same(CHAINS)
+    assert again >= 2
+    assert {40, 20} <= set(watched.passes)
 
 
 def test_a_stack_that_finds_no_room_is_the_cpus(card: Device, watched: Watched) -> None:
