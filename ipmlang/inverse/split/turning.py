@@ -53,10 +53,14 @@ def in_axes(scheme: Scheme) -> Iterator[Scheme]:
     used = Counter(each for symbol in scheme.symbols for each in _placed(symbol))
     for number, symbol in enumerate(scheme.symbols):
         for place, item in enumerate(symbol.items if isinstance(symbol, Rule) else ()):
-            if isinstance(item, Ring) and used[item.symbol] == 1 and item.first.scale[0] == 1.0:
+            if isinstance(item, Ring) and used[item.symbol] == 1 and _is_rigid(item.first):
                 inner = scheme.symbols[item.symbol]
                 if isinstance(inner, Rule) and _is_free(inner):
                     yield _in_axis(scheme, number, place, item, inner)
+
+
+def _is_rigid(frame: Frames) -> bool:
+    return abs(float(frame.scale[0]) - 1) <= NEAR
 
 
 def _placed(symbol: Symbol) -> list[int]:
