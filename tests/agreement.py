@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError
 from ipmlang.geometry.solid import Solid
 from ipmlang.runtime.scene import OUTLINE, SCOPE, SEGMENT, SOLID, Scene, TextureMaps
+from tests.agreement_solids import is_close, same_surface
 
 Outcome: TypeAlias = "Scene | Diagnostic"
 Rows: TypeAlias = NDArray[np.int64]
@@ -252,7 +253,7 @@ class _Pairs:
         seen = 0
         for place in np.flatnonzero(assets == OUTLINE):
             one, other = (s.polygons[n[place]] for s, n in zip(self.scenes, numbers, strict=True))
-            if seen < self.first and not _close(one, other, self.bound.length):
+            if seen < self.first and not is_close(one, other, self.bound.length):
                 seen += 1
                 yield f"{self._told(int(self.rows[0][place]))}: its corners differ"
         solids = np.flatnonzero(assets == SOLID)
@@ -271,7 +272,7 @@ class _Pairs:
         rows = self.scenes[0].instances
         size = np.max(rows.size[row]) * abs(rows.scale[row])
         allowed = self.bound.ratio + (self.bound.length / size if size > 0 else 0.0)
-        apart = _same_surface(one, other, allowed)
+        apart = same_surface(one, other, allowed)
         if apart:
             return f"the {apart} of its solid differ"
         if (one.uv is None) != (other.uv is None):
@@ -293,10 +294,10 @@ class _Pairs:
             both = np.unique(np.stack(own, axis=1)[own[0] >= 0], axis=0)
             for a, b in both[: self.first * 50]:
                 frames = (
-                    _close(one.position[a], other.position[b], self.bound.length)
-                    and _close(one.rotation[a], other.rotation[b], self.bound.ratio, signed=False)
-                    and _close(one.scale[a], other.scale[b], self.bound.ratio * abs(one.scale[a]))
-                    and _close(one.layer[a], other.layer[b], self.bound.ratio)
+                    is_close(one.position[a], other.position[b], self.bound.length)
+                    and is_close(one.rotation[a], other.rotation[b], self.bound.ratio, signed=False)
+                    and is_close(one.scale[a], other.scale[b], self.bound.ratio * abs(one.scale[a]))
+                    and is_close(one.layer[a], other.layer[b], self.bound.ratio)
                 )
                 if one.effects[one.effect[a]] != other.effects[other.effect[b]] or not frames:
                     yield f"group {a} differs in effect, frame or layer from group {b}"
@@ -320,7 +321,7 @@ class _Pairs:
                 b = getattr(other, field.name)[ways[1][laid]].astype(np.float64)
                 a, b = (np.nan_to_num(each, nan=-1.0) for each in (a, b))
                 signed = field.name != "rotation"
-                if not _close(a, b, self.bound.ratio * scale, signed):
+                if not is_close(a, b, self.bound.ratio * scale, signed):
                     yield f"textures lie otherwise: {field.name}"
 
 
@@ -349,49 +350,6 @@ def _ranked(keys: NDArray[np.uint64]) -> NDArray[np.void]:
     return made
 
 
-def _same_surface(one: Solid, other: Solid, allowed: float) -> str:
-    """What differs between two solids, if anything. Booleans number faces, merge those in one
-    plane, and choose whose tags they bear where two parts share a plane, as last bits have it: so
-    solids are the same, too, if they have the same tags, box, volume and area, all ways round.
-    """
-    names = ("corners", "rings", "faces")
-    if one.tags == other.tags and all(
-        np.array_equal(getattr(one, name), getattr(other, name)) for name in names
-    ):
-        if not _close(one.vertices, other.vertices, allowed):
-            return "vertices"
-        both = one.uv is not None and other.uv is not None
-        return "" if not both or _close(one.uv, other.uv, allowed) else "texture coordinates"
-    if frozenset().union(*one.tags) != frozenset().union(*other.tags):
-        return "tags"
-    measures = _measures(one), _measures(other)
-    return "" if _close(*measures, allowed * len(one.corners)) else "surface"
-
-
-def _measures(solid: Solid) -> NDArray[np.float64]:
-    """The box, the volume, the area and its shadows along x, y and z."""
-    normals, moments = _faces(solid)
-    return np.concatenate(
-        (
-            solid.vertices.min(axis=0),
-            solid.vertices.max(axis=0),
-            [moments.sum(), np.linalg.norm(normals, axis=1).sum()],
-            np.abs(normals).sum(axis=0),
-        )
-    )
-
-
-def _faces(solid: Solid) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The vector area of each face, and what it adds to the volume."""
-    following = np.arange(1, len(solid.corners) + 1)
-    following[solid.rings[1:] - 1] = solid.rings[:-1]
-    corners = solid.vertices[solid.corners]
-    crossed = np.cross(corners, corners[following]) / 2
-    begins = solid.rings[solid.faces[:-1]]
-    normals = np.add.reduceat(crossed, begins, axis=0)
-    return normals, np.sum(normals * corners[begins], axis=1) / 3
-
-
 def _laid(maps: TextureMaps | None) -> TextureMaps | None:
     """The maps, if something is drawn on which textures lie by them."""
     return maps if maps is not None and np.any(maps.of >= 0) else None
@@ -405,15 +363,6 @@ def _one_to_one(one: NDArray[np.int32], other: NDArray[np.int32]) -> bool:
 def _outer(own: NDArray[np.int32], parent: NDArray[np.int32]) -> NDArray[np.int32]:
     """The group around each, -1 where there is none."""
     return np.where(own >= 0, parent[own], np.int32(-1)) if len(parent) else own
-
-
-def _close(one: Column, other: Column, allowed: float, signed: bool = True) -> bool:
-    """Whether all numbers lie within the bound; unsigned ones may have the other sign by row."""
-    if one.shape != other.shape:
-        return False
-    if not signed:
-        other = np.where(np.sum(one * other, axis=-1, keepdims=True) < 0, -other, other)
-    return bool(np.all(np.abs(one - other) <= allowed))
 
 
 def _shown(value: object) -> str:
