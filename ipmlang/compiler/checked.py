@@ -36,8 +36,8 @@ class ValueEntry:
     """What a top-level name stands for in expressions. `type` is that of its value, or of a
     function's result; `parameters` are a function's, `takes` their types; `columns` a
     table's, None where unknown, `shapes` the symbols that its rows place; `exact`: it may feed a
-    guard; `item` indexes its file's items; `sampled` is what is known of a context. Of a broken one only the name is known: its item or its
-    import could not be read.
+    guard; `item` indexes its file's items; `sampled` is what is known of a context. Of a
+    broken one only the name is known: its item or its import could not be read.
     """
 
     kind: ValueKind
