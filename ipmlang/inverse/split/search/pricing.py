@@ -17,7 +17,9 @@ from ipmlang.inverse.split.listing import every_token
 from ipmlang.inverse.split.search.drafts import Draft, Limits, Motif
 from ipmlang.inverse.split.search.figures import Figure
 from ipmlang.inverse.split.search.patterns import Arranged, Memory, arranged
-from ipmlang.inverse.split.snapping import label_rows, members
+from ipmlang.inverse.split.snapping import Flags, label_rows, members
+
+LOOSE = 3.0  # tokens that a part is worth which a rule explains, beyond those that it saves
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,6 +47,19 @@ class Priced:
             share[rows] = found.tokens / len(rows)
         return share
 
+    def loose(self) -> Floats:
+        """(n,) what each row is worth under a rule, for those that stand singly in the axiom."""
+        worth = np.zeros(len(self.draft))
+        for rows, found in zip(self.lists, self.found, strict=True):
+            worth[rows] = LOOSE * is_loose(self.draft, rows, found)
+        return worth
+
+
+def is_loose(draft: Draft, rows: Integers, found: Arranged) -> Flags:
+    """Which rows of a list are parts that nothing explains: they stand singly in the axiom."""
+    alone = int(draft.body[rows[0]]) == 0 and int(draft.symbol[rows[0]]) < draft.classes
+    return np.asarray((found.patterns < 0) & alone)
+
 
 def priced(draft: Draft, limits: Limits, memory: Memory) -> Priced:
     """A draft with the patterns of all its lists."""
@@ -67,7 +82,7 @@ def gain_of(
     number below that.
     """
     rows = motif.rows.ravel()
-    saved = -float(HEAD)
+    saved = float(base.loose()[rows].sum()) - HEAD
     for index in np.unique(base.of[rows]).tolist():
         gone = base.place[rows[base.of[rows] == index]]
         saved += base.found[index].tokens - _without(base, index, gone, limits)

@@ -12,17 +12,18 @@ from ipmlang.inverse.frames import compose, join
 from ipmlang.inverse.split.cost import HEAD
 from ipmlang.inverse.split.search.drafts import Draft, Limits
 from ipmlang.inverse.split.search.patterns import Memory, arranged
+from ipmlang.inverse.split.search.pricing import LOOSE, is_loose
 from ipmlang.inverse.split.snapping import label_rows, members
 
 
 def tokens_of(draft: Draft, limits: Limits, memory: Memory) -> float:
     """Tokens of all bodies, each symbol's copies in its patterns."""
     label, count = label_rows(np.stack([draft.body, draft.symbol], axis=1))
-    total = 0
+    total = 0.0
     for rows in members(label, len(count)):
         symbol = int(draft.symbol[rows[0]])
         found = arranged(draft.figures[symbol], draft.frames[rows], symbol, limits, memory)
-        total += found.tokens
+        total += found.tokens + LOOSE * int(is_loose(draft, rows, found).sum())
     return total + HEAD * len(np.unique(np.concatenate([draft.body, [0]])))
 
 

@@ -116,11 +116,11 @@ def _improved(draft: Draft, limits: Limits, memory: Memory, work: int) -> tuple[
     used = len(draft)
     for grown, took in islice(_grown(field, limits), BATCHES):
         used += took
-        better = _taken(base, _offers(field, grown, base.shares(), limits), limits, memory)
+        better = _taken(base, _offers(field, grown, base, limits), limits, memory)
         if better is not None or used > work:
             return better, used
     grown = [each for each in wholes(field, limits.error) if len(each.rows)]
-    return _taken(base, _offers(field, grown, base.shares(), limits), limits, memory), used
+    return _taken(base, _offers(field, grown, base, limits), limits, memory), used
 
 
 def _grown(field: Field, limits: Limits) -> Iterator[tuple[list[Grown], int]]:
@@ -158,11 +158,14 @@ def _cover(edges: Edges, grown: Grown, covered: Flags) -> None:
     covered |= (inside[:, 0] >= 0) & (inside[:, 0] == inside[:, 1])
 
 
-def _offers(field: Field, grown: list[Grown], share: Floats, limits: Limits) -> list[Offer]:
+def _offers(field: Field, grown: list[Grown], base: Priced, limits: Limits) -> list[Offer]:
     """The motifs that promise most, placed exactly."""
     promising: dict[bytes, tuple[float, Grown]] = {}
+    share, loose = base.shares(), base.loose()
     for each in grown:
-        gain = _promise(share[each.rows])
+        if len(np.unique(each.rows)) < each.rows.size:
+            continue  # two occurrences would have to share
+        gain = _promise(share[each.rows]) + float(loose[each.rows].sum())
         if gain > 0:
             promising.setdefault(np.sort(each.rows.ravel()).tobytes(), (gain, each))
     ranked = sorted(promising.values(), key=lambda pair: (-pair[0], -pair[1].rows.size))
