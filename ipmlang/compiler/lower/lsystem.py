@@ -220,9 +220,10 @@ class Body:
     def _repeat(self, code: Code, repeat: ast.Repeat, names: Environment) -> None:
         """Copies; where rows name the symbols in them, those of each symbol by themselves."""
         head, before = repeat.head, self._shape
-        is_placing = isinstance(head, ast.Rows) and head.places
-        shapes = self._namer.shapes(code.unit, head.table) if is_placing else ()
-        for shape in shapes or ((None,) if is_placing else (before,)):
+        shapes: tuple[str | None, ...] = (before,)
+        if isinstance(head, ast.Rows) and head.places:
+            shapes = self._namer.shapes(code.unit, head.table) or (None,)
+        for shape in shapes:
             self._shape = shape
             self._copies(code, repeat, names)
         self._shape = before
