@@ -44,6 +44,7 @@ from ipmlang.inverse.tolerances import Tolerances, relaxed, seen
 from ipmlang.inverse.upright import make_upright, settle_terminals
 
 LEAST_REGULAR = 0.3  # of the flat tokens: what is shorter needs no other look
+ROW = 2  # tokens that a row of a table counts for beyond those it takes: rules can be changed
 LEFT = 4  # placements of one symbol that a lattice could say
 NOISE_TOKENS = 1.1  # times as many tokens a regular grammar with residuals may have
 SHORT = 0.1  # of the flat tokens: a recursion that no other rules will beat
@@ -93,12 +94,15 @@ class Found:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Attempt:
-    """A file that could be the answer, in a word how it was found, and what it takes in tokens."""
+    """A file that could be the answer, in a word how it was found, what it takes in tokens, and for
+    how many more it counts, since a person would rather maintain something else.
+    """
 
     name: str
     write: Callable[[], Written]
     counts: Counts
     tokens: int
+    more: int = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -155,8 +159,9 @@ def best_grammar(
         if not (found.book.lattices or asked):
             # Few rules among many loose placements may cost more than they save: tables say less.
             tabled = write_grammar(flat_book, replace(plain, use_tables=True))
-            attempts.append(Attempt("tables", lambda: tabled, none, tabled.tokens))
-        attempts.sort(key=lambda each: each.tokens)
+            tables = Attempt("tables", lambda: tabled, none, tabled.tokens, ROW * tabled.rows)
+            attempts.append(tables)
+        attempts.sort(key=lambda each: each.tokens + each.more)
         # The paper's pairs, and rows that noise and paint order make long, are what was asked for.
         if not asked:
             attempts = [each for each in attempts if each.tokens <= flat_tokens]

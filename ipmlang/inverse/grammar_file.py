@@ -63,6 +63,12 @@ class Written:
         return count_text_tokens(self.text) + self.table_tokens
 
     @property
+    def rows(self) -> int:
+        """Rows of the tables in the text."""
+        tables = (each for each in self.grammar.items if isinstance(each, ast.Table))
+        return sum(len(each.rows) for each in tables)
+
+    @property
     def weight(self) -> float:
         """Tokens, but a number weighs by its digits: what decides between ways to say the same.
 
