@@ -42,7 +42,7 @@ def without_residual(draft: Draft) -> Draft:
     ... start F(4) F(4)
     ... '''
     >>> print(without_residual(read_text(text)).text.splitlines()[1:4])
-    ['table T(color) =', '    ("red")', '    ("blue")']
+    ['table T(color) =', '    "red" "blue"', 'residual T']
     """
     names = {item.table for item in draft.grammar.items if isinstance(item, ast.Residual)}
     for number, item in enumerate(draft.grammar.items):
