@@ -183,6 +183,15 @@ def test_what_the_card_cannot_do_alone_is_no_table(card: Device, text: str) -> N
     assert derive_table(ipmlang.parse(text).program, seed=1) is None
 
 
+def test_what_is_wrong_is_no_table(card: Device) -> None:
+    text = "ipm 1\nA(n) --> F(1) &(20) F(sqrt(0 - n)) B\nB --> F(1)\nstart A(2)\n"
+    grammar = ipmlang.parse(text)
+    assert derive_table(grammar.program) is None
+    with pytest.raises(IpmError) as told:
+        grammar.run(backend="gpu")
+    assert told.value.diagnostics[0].code == "not-a-number"
+
+
 def test_nothing_to_see_is_told(card: Device) -> None:
     table = table_of("ipm 1\nLot --> split x { ~1: nil }\nstart Lot on box(4, 3, 0)")
     with pytest.raises(IpmError) as caught:

@@ -24,7 +24,7 @@ from ipmlang.runtime.gpu.derive import GpuFrontier
 from ipmlang.runtime.gpu.device import Device, device, is_of_card
 from ipmlang.runtime.gpu.explain import reasons
 from ipmlang.runtime.gpu.isa import TERMINAL
-from ipmlang.runtime.gpu.machine import Made
+from ipmlang.runtime.gpu.machine import Made, TroubleError
 from ipmlang.runtime.gpu.memory import Rows
 from ipmlang.runtime.gpu.words import Calls
 from ipmlang.runtime.scene import Scene
@@ -93,6 +93,8 @@ def derive_table(
         if is_of_card(error):
             raise
         return None  # who derives all of it knows the way to where it went wrong
+    except TroubleError:  # all of it is the CPU's
+        return None
     finally:
         parts = frontier.parts(keep=enough)
     if not enough:
