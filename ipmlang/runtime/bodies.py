@@ -424,7 +424,7 @@ class Writer:
         self, each: ir.Instruction, number: int, scope: Scope, owner: str, index: str
     ) -> Scope:
         """The names of the batch of copies; `each` is a repeat, or one part of pieces."""
-        used = set(_read(each.body))
+        used = questions.read_inside(each.body)
         copies = tuple(
             (around, self.source.let(f"{name}[{owner}]")) for around, name in scope.copies
         )
@@ -472,9 +472,3 @@ def _field(each: ir.Instruction) -> str:
     """What a pen instruction sets."""
     assert isinstance(each.const, tuple)
     return str(each.const[0])
-
-
-def _read(body: Iterable[ir.Instruction]) -> Iterable[int]:
-    for each in body:
-        yield from each.args
-        yield from _read(each.body)

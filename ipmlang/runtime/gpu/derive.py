@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 from ipmlang.compiler import ir
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.drawings import Chunk
-from ipmlang.runtime.fields import fields
 from ipmlang.runtime.frontier import Frontier
 from ipmlang.runtime.gpu import isa
-from ipmlang.runtime.gpu.encode import calls_of, encode
+from ipmlang.runtime.gpu.encode import calls_of
 from ipmlang.runtime.gpu.geometries import Geometries
 from ipmlang.runtime.gpu.isa import FINAL, HEADER, TERMINAL, Header, Terminal
 from ipmlang.runtime.gpu.leaves import places
@@ -46,9 +45,6 @@ def derive_gpu(
     Raises IpmError as the frontier does, and where there is no card or it fails.
     """
     calls = calls_of(program)
-    names = tuple(fields(program))
-    if calls == "threads" and encode(program, names, len(attrs), calls=calls).reasons:
-        return None
     kept: list[GpuFrontier] = []
 
     def begin(*args: object) -> GpuFrontier:
@@ -93,11 +89,14 @@ class GpuFrontier(Frontier):
             self._release()
 
     def _run_whole(self, seed: int) -> None:
-        """A program whose modules thread: one call of the start."""
+        """A program whose modules thread: one call of the start, or trouble where not all of it
+        can run.
+        """
+        kind = self._kind(self._calls)
+        if kind.encoded.reasons or kind.encoded.axiom is None:
+            raise TroubleError(0)
         self.names_begin()
         first = self.axiom(seed)
-        kind = self._kind(self._calls)
-        assert kind.encoded.axiom is not None
         batches = [((isa.RESUME | kind.encoded.axiom, 0), first)]
         machine = kind.machine(batches, ())
         made = machine.run(kind.roots(batches), self.counted.bounds(), ordered=self.ordered)

@@ -16,10 +16,11 @@ from ipmlang.runtime.fields import FRAME, SCOPE
 from ipmlang.runtime.gpu import shaping
 from ipmlang.runtime.gpu.functions import calls
 from ipmlang.runtime.gpu.isa import NONE, Op
-from ipmlang.runtime.gpu.registers import Names, Room, ending, inside, last_uses, read_by
+from ipmlang.runtime.gpu.registers import Names, Room, ending, inside, last_uses
 from ipmlang.runtime.gpu.unsupported import UnsupportedError
 from ipmlang.runtime.gpu.words import Words
 from ipmlang.runtime.grouping import FIELD as GROUP
+from ipmlang.runtime.queries.questions import read_inside
 from ipmlang.runtime.scene import SCOPE as SCOPE_ASSET
 from ipmlang.runtime.scene import SEGMENT
 
@@ -337,7 +338,7 @@ class Elements:
     def _block(self, each: ir.Instruction, names: Names, count: int) -> None:
         """Copies that leave the state alone: a block, which knows what it reads."""
         assert isinstance(each.const, int)
-        read = read_by(each.body) | set(each.args[1:])
+        read = read_inside(each.body) | set(each.args[1:])
         kept = {out: own for out, own in names.registers.items() if out in read}
         given = list(dict.fromkeys([
             *names.params, *kept.values(), *(own for _, own in names.copies), *names.many.values(),

@@ -51,7 +51,6 @@ class Op(IntEnum):
     CENTER = 27  # to the point of the box whose shares data has at z; n: back from there
     FLIP = 28  # the scope is mirrored within itself along axis z, if MIRROR comes next
     FETCH = 29  # out = what the channel of a context whose data code[z] leads to is at (a, b)
-    GEOMETRY = 30  # the geometry becomes number data[z]
     FACES = 31  # out = how many faces of the scope's box the part with table z takes
     RULE = 32  # production z is applied from here on
     SHARE = 33  # alternative z is taken with a chance of a, unless one before it was

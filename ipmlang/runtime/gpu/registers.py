@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from ipmlang.compiler import ir
 from ipmlang.runtime.gpu.isa import REGISTERS
 from ipmlang.runtime.gpu.unsupported import UnsupportedError
+from ipmlang.runtime.queries.questions import read_inside
 
 
 class Room:
@@ -73,17 +74,9 @@ def last_uses(elements: Sequence[ir.Instruction]) -> dict[int, int]:
     """The last element that reads each register, in itself or in what it holds."""
     last: dict[int, int] = {}
     for number, each in enumerate(elements):
-        for register in (*each.args, *read_by(each.body)):
+        for register in (*each.args, *read_inside(each.body)):
             last[register] = number
     return last
-
-
-def read_by(body: Iterable[ir.Instruction]) -> set[int]:
-    found: set[int] = set()
-    for each in body:
-        found.update(each.args)
-        found |= read_by(each.body)
-    return found
 
 
 def ending(body: Sequence[ir.Instruction], closed: bool) -> ir.Instruction | None:

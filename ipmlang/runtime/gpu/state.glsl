@@ -54,7 +54,6 @@ uniform uint forks;           // 1: what a child does to the state ends with it
 uniform uint resuming;        // 1: threads go on where they stopped
 #endif
 
-#define MOST_ARGUMENTS 64u
 double r[REGISTERS + 64];     // the last ones are for arguments on their way
 uvec2 own_key;    // of the shape
 uvec2 key;        // under construction

@@ -22,7 +22,6 @@ from ipmlang.runtime.fields import fields
 from ipmlang.runtime.gpu import encode
 from ipmlang.runtime.gpu.derive import GpuFrontier
 from ipmlang.runtime.gpu.device import Device, device, is_of_card
-from ipmlang.runtime.gpu.explain import reasons
 from ipmlang.runtime.gpu.isa import TERMINAL
 from ipmlang.runtime.gpu.machine import Made, TroubleError
 from ipmlang.runtime.gpu.memory import Rows
@@ -80,7 +79,7 @@ def derive_table(
     calls = encode.calls_of(program)
     if program.flat or program.residual is not None:
         return None
-    if encode.refused(program) or (calls == "threads" and reasons(program)):
+    if encode.refused(program):
         return None
     bound = Bound(program, attrs, FUNCTIONS)
     frontier = TableFrontier(calls, bound, initial, limits, steps_of(bound, seed))

@@ -271,10 +271,6 @@ void run(uint at, uint action) {
             case OP_FACE: face(z, ra); break;
             case OP_CENTER: center(z, n != 0u); break;
             case OP_FLIP: flip(z); break;
-            case OP_GEOMETRY:
-                geometry = data[z];
-                reshaped = true;
-                break;
             case OP_RULE: blamed = rule = z; break;
             case OP_SHARE: share(z, ra); break;
             case OP_TAKE:

@@ -103,13 +103,14 @@ def _read(body: Sequence[ir.Instruction]) -> set[int]:
     for each in body:
         if each.op not in ir.VALUE_OPS:
             found.update(each.args)
-        found |= _read_inside(each.body)
+        found |= read_inside(each.body)
     return found
 
 
-def _read_inside(body: Sequence[ir.Instruction]) -> set[int]:
+def read_inside(body: Sequence[ir.Instruction]) -> set[int]:
+    """The registers that elements read, and what they hold reads."""
     found: set[int] = set()
     for each in body:
         found.update(each.args)
-        found |= _read_inside(each.body)
+        found |= read_inside(each.body)
     return found
