@@ -8,7 +8,7 @@ import pytest
 import ipmlang
 from ipmlang.compiler import ast
 from ipmlang.compiler.format import format_grammar
-from ipmlang.inverse.lsystem.frames import Frames, compose, frames, identity
+from ipmlang.inverse.lsystem.frames import Frames, compose, frames, identity, join
 from ipmlang.inverse.lsystem.symmetry import dihedral, of_line
 from ipmlang.inverse.recursion import (
     branching_rules,
@@ -69,6 +69,26 @@ def test_structure_is_found_in_any_order(name: str) -> None:
     assert found.depth == STRUCTURES[name][1]
     _, places = run(found, "F")
     assert np.abs(places - placed.position[found.order]).max() < 1e-6
+
+
+@pytest.mark.parametrize("name", STRUCTURES)
+def test_structure_is_found_as_it_is_painted(name: str) -> None:
+    twigs, depth = STRUCTURES[name]
+    grown = grow(frames(np.array([10 + 20j]), 90.0), twigs, depth, 100000)
+    assert grown is not None
+    placed = grown.frames[grown.preorder()]
+    before = frames(np.arange(3) * (37 + 11j) - 900, np.arange(3) * 13.0, 0.9)
+    found = find_branching(
+        join([before, placed]), identity(1), radius=10, tolerance=1e-4, painted=True
+    )
+    assert found is not None
+    assert len(found.twigs) == len(twigs)
+    assert found.order.tolist() == list(range(3, 3 + len(placed)))
+
+
+def test_other_orders_are_not_as_it_is_painted() -> None:
+    placed = structure("deeper", 5)
+    assert find_branching(placed, identity(1), radius=10, tolerance=1e-4, painted=True) is None
 
 
 def test_figure_1_reads_as_in_the_paper() -> None:

@@ -67,8 +67,9 @@ def _tree(alphabet: Alphabet, arrangement: Arrangement, first: int, count: int) 
         radius=definition.radius,
         tolerance=alphabet.tolerance,
         seconds=SECONDS,
+        painted=True,
     )
-    if found is None or (np.diff(found.order) != 1).any():
+    if found is None:
         return None
     return Tree(first + int(found.order[0]), len(found.order), found, found.root)
 

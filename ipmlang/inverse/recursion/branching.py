@@ -5,22 +5,32 @@ R(m) --> A [T1 R(m - d1)] [T2 R(m - d2)] …, with any number of branches, each 
 and with angles, lengths and scales that may change evenly with m, the root's frame, and the
 elements in the order in which the rule draws them. Only what stands where the rule says counts;
 other copies are left alone. Chains that repeat one step are looked for among near neighbours, never
-among all pairs.
+among all pairs. Where the copies must follow each other as the rule draws them, the first branch
+begins with the copy after the root, which most stretches of copies tell at once.
 """
 
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import combinations, islice
+from itertools import combinations, islice, product
 
 import numpy as np
 
 from ipmlang.inverse.lsystem.frames import Frames, frames
-from ipmlang.inverse.recursion.chains import Chain, find_chains
+from ipmlang.inverse.recursion.chains import Chain, find_chains, first_chains
 from ipmlang.inverse.recursion.nodes import Nodes, make_nodes
 from ipmlang.inverse.recursion.strokes import Integers
-from ipmlang.inverse.recursion.twigs import SPIN, Grown, Twig, fitted, grow, rounded
+from ipmlang.inverse.recursion.twigs import (
+    SPIN,
+    Grown,
+    Twig,
+    fitted,
+    grow,
+    node_counts,
+    rounded,
+)
 
 MOST_ROOTS = 6
 MOST_PAIRS = 300
@@ -50,12 +60,14 @@ def find_branching(
     radius: float = 1.0,
     tolerance: float,
     seconds: float = 3.0,
+    painted: bool = False,
 ) -> Branching | None:
     """The branching structure with most elements, None if there is none.
 
     placed: (n,) frames of the copies; stabiliser: (k,) frames that keep the shape, identity first;
     free: any rotation does too; radius: of the shape at scale 1; tolerance: units;
-    seconds: of processor time, after which the best so far is given.
+    seconds: of processor time, after which the best so far is given; painted: only structures whose
+    copies follow each other in the order in which the rule draws them.
     """
     if len(placed) < FEWEST_NODES:
         return None
@@ -64,7 +76,7 @@ def find_branching(
     best: Branching | None = None
     for root in _roots(placed):
         for linear in (False, True) if not free else (False,):
-            found = _from_root(nodes, root, linear, deadline)
+            found = _from_root(nodes, root, linear, painted, deadline)
             if found is not None and (best is None or len(found.order) > len(best.order)):
                 best = found
             if found is not None:
@@ -83,15 +95,19 @@ def _roots(placed: Frames) -> list[int]:
     return list(dict.fromkeys([*size[:1], 0, *size, len(placed) - 1]))[:MOST_ROOTS]
 
 
-def _from_root(nodes: Nodes, root: int, linear: bool, deadline: float) -> Branching | None:
+def _from_root(
+    nodes: Nodes, root: int, linear: bool, painted: bool, deadline: float
+) -> Branching | None:
     """The largest structure that begins at an element."""
     own = root * nodes.each
     start = nodes.every[own : own + 1]
+    first = first_chains(nodes, start, root, linear) if painted else []
+    if painted and (not first or root + FEWEST_NODES > nodes.count):
+        return None
     chains = find_chains(nodes, start, root, linear)
-    pairs = (pair for pair in combinations(chains, 2) if pair[0].element != pair[1].element)
     best: Branching | None = None
-    for pair in islice(pairs, MOST_PAIRS):
-        found = _extended(nodes, start, list(pair), chains)
+    for pair in islice(_pairs(first, chains, root, nodes.count), MOST_PAIRS):
+        found = _extended(nodes, start, pair, chains, root if painted else None)
         if found is not None and (best is None or len(found.order) > len(best.order)):
             best = found
         full = best is not None and len(best.order) == nodes.count
@@ -100,20 +116,52 @@ def _from_root(nodes: Nodes, root: int, linear: bool, deadline: float) -> Branch
     return best
 
 
+def _pairs(first: list[Chain], chains: list[Chain], root: int, count: int) -> Iterator[list[Chain]]:
+    """Two branches of one structure; the first ones are given where the order is."""
+    if not first:
+        every = combinations(chains, 2)
+        yield from ([*pair] for pair in every if pair[0].element != pair[1].element)
+        return
+    for pair in product(first, chains):
+        if _in_order([*pair], root, count):
+            yield [*pair]
+
+
+def _in_order(used: list[Chain], root: int, count: int) -> bool:
+    """Whether each of these branches begins after all that those before it draw. More branches only
+    draw more before.
+    """
+    depth = max(chain.length for chain in used)
+    for decreases in _decreases(used, depth):
+        sizes = node_counts(decreases, depth)
+        after = root + 1
+        for chain, less in zip(used, decreases, strict=True):
+            if chain.element < after:
+                return False
+            after += sizes[depth - less]
+        return after <= count
+    return False
+
+
 def _extended(
-    nodes: Nodes, start: Frames, used: list[Chain], chains: list[Chain]
+    nodes: Nodes, start: Frames, used: list[Chain], chains: list[Chain], root: int | None
 ) -> Branching | None:
-    """The chains as branches of one structure, with all that fit besides."""
+    """The chains as branches of one structure, with all that fit besides; root: the copy that all
+    others follow in their order, None for any order.
+    """
     found = _proven(nodes, start, used)
     if found is None:
         return None
     for chain in chains:
         fits = all(chain.element != each.element for each in used)
         if fits and len(used) < MOST_BRANCHES:
-            more = _proven(nodes, start, [*used, chain])
+            every = sorted([*used, chain], key=lambda each: each.element)
+            if root is not None and not _in_order(every, root, nodes.count):
+                continue
+            more = _proven(nodes, start, every)
             if more is not None and len(more.order) > len(found.order):
-                found, used = more, [*used, chain]
-    return found
+                found, used = more, every
+    return found if root is None or (np.diff(found.order) == 1).all() else None
 
 
 def _proven(nodes: Nodes, start: Frames, used: list[Chain]) -> Branching | None:

@@ -8,7 +8,9 @@ steps; all are followed at once, and nothing is put together here.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
@@ -37,6 +39,9 @@ class Chain:
     element: int
 
 
+Near: TypeAlias = Callable[[Nodes, int], Integers]  # the copies that may come after one
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class _Links:
     """frames (m,) of copies after the root, and which copies (m,) they are."""
@@ -49,23 +54,40 @@ def find_chains(nodes: Nodes, start: Frames, root: int, linear: bool) -> list[Ch
     """Chains from the copy `root`, seen in the frame `start`: at least two equal steps or three
     evenly changing ones, the longest first.
     """
-    links = _round_links(nodes, start, root) if nodes.free else _links(nodes, root)
+    return _chains(nodes, start, root, linear, _neighbours, False)
+
+
+def first_chains(nodes: Nodes, start: Frames, root: int, linear: bool) -> list[Chain]:
+    """The same whose every link is the copy after the one before."""
+    return _chains(nodes, start, root, linear, _next, True)
+
+
+def _chains(
+    nodes: Nodes, start: Frames, root: int, linear: bool, near: Near, painted: bool
+) -> list[Chain]:
+    first = near(nodes, root)
+    links = _round_links(nodes, start, root, first) if nodes.free else _links(nodes, first)
     if not len(links.copy):
         return []
     steps = between(start[np.zeros(len(links.copy), np.int64)], links.frames)
     numbers, hand = steps_of(steps), steps.handedness.astype(np.int64)
     change = np.zeros_like(numbers)
     if linear:
-        which, change = _changes(nodes, root, links, numbers, hand)
+        which, change = _changes(nodes, root, links, numbers, hand, near)
         numbers, hand = numbers[which], hand[which]
         links = _Links(links.frames[which], links.copy[which])
-    length = _lengths(nodes, start, numbers, change, hand)
+    length = _lengths(nodes, start, numbers, change, hand, root if painted else None)
     good = np.flatnonzero(length >= (3 if linear else 2))
     order = np.lexsort((links.copy[good], -hand[good], -length[good]))
     return [
         Chain(numbers[row], change[row], int(hand[row]), int(length[row]), int(links.copy[row]))
         for row in good[order][:MOST_CHAINS].tolist()
     ]
+
+
+def _next(nodes: Nodes, copy: int) -> Integers:
+    """The copy after one, none after the last."""
+    return np.arange(copy + 1, min(copy + 2, nodes.count))
 
 
 def _neighbours(nodes: Nodes, copy: int) -> Integers:
@@ -90,18 +112,17 @@ def _alike(nodes: Nodes, copy: int, size: float) -> Integers:
     return np.asarray(alike[np.argsort(away, kind="stable")[:NEAR]], np.int64)
 
 
-def _links(nodes: Nodes, root: int) -> _Links:
+def _links(nodes: Nodes, near: Integers) -> _Links:
     """The copies near the root in all their frames."""
-    near = _neighbours(nodes, root)
     rows = (near[:, None] * nodes.each + np.arange(nodes.each)).ravel()[:MOST_LINKS]
     return _Links(nodes.every[rows], rows // nodes.each)
 
 
-def _round_links(nodes: Nodes, start: Frames, root: int) -> _Links:
+def _round_links(nodes: Nodes, start: Frames, root: int, near: Integers) -> _Links:
     """The same for round shapes, in the frames that lead to each possible second link."""
     made: list[Frames] = []
     copies: list[int] = []
-    for copy in _neighbours(nodes, root).tolist():
+    for copy in near.tolist():
         place = nodes.every[copy : copy + 1]
         came = place.position[0] - start.position[0]
         after = _alike(nodes, copy, float(place.scale[0] ** 2 / start.scale[0]))
@@ -119,15 +140,15 @@ def _round_links(nodes: Nodes, start: Frames, root: int) -> _Links:
 
 
 def _changes(
-    nodes: Nodes, root: int, links: _Links, numbers: Floats, hand: Integers
+    nodes: Nodes, root: int, links: _Links, numbers: Floats, hand: Integers, near: Near
 ) -> tuple[Integers, Floats]:
     """Which links have a second one whose step changes so that a third is there, and the change."""
     which, changes = [np.zeros(0, np.int64)], [np.zeros((0, 4))]
     for copy in np.unique(links.copy).tolist():
         mine = np.flatnonzero(links.copy == copy)
-        near = _neighbours(nodes, copy)
-        near = near[near != root]
-        rows = (near[:, None] * nodes.each + np.arange(nodes.each)).ravel()[:MOST_LINKS]
+        after = near(nodes, copy)
+        after = after[after != root]
+        rows = (after[:, None] * nodes.each + np.arange(nodes.each)).ravel()[:MOST_LINKS]
         first, second = (each.ravel() for each in np.meshgrid(mine, rows, indexing="ij"))
         step = between(links.frames[first], nodes.every[second])
         change = steps_of(step) - numbers[first]
@@ -135,8 +156,8 @@ def _changes(
         third = numbers[first] + 2 * change
         good = (step.handedness == hand[first]) & (third[:, SCALE] > 0)
         first, second, change, third = first[good], second[good], change[good], third[good]
-        after = compose(nodes.every[second], _frames_of(third, hand[first]))
-        there = nodes.at(after).max(axis=1, initial=-1) >= 0
+        beyond = compose(nodes.every[second], _frames_of(third, hand[first]))
+        there = nodes.at(beyond).max(axis=1, initial=-1) >= 0
         which.append(first[there])
         changes.append(change[there])
     return np.concatenate(which), np.concatenate(changes)
@@ -148,16 +169,28 @@ def _frames_of(steps: Floats, hand: Integers) -> Frames:
 
 
 def _lengths(
-    nodes: Nodes, start: Frames, steps: Floats, change: Floats, hand: Integers
+    nodes: Nodes,
+    start: Frames,
+    steps: Floats,
+    change: Floats,
+    hand: Integers,
+    root: int | None,
 ) -> Integers:
-    """(m,) how many links of each chain are there."""
+    """(m,) how many links of each chain are there; root: the copy that they follow one by one,
+    None where they are anywhere.
+    """
     length = np.zeros(len(steps), np.int64)
     alive = np.arange(len(steps))
     now = start[np.zeros(len(steps), np.int64)]
     while len(alive) and length.max() < LONGEST:
         numbers = steps[alive] + change[alive] * length[alive, None]
         now = compose(now, _frames_of(numbers, hand[alive]))
-        there = (nodes.at(now).max(axis=1) >= 0) & (numbers[:, SCALE] > 0)
+        copies = nodes.at(now) // nodes.each
+        if root is None:
+            there = copies.max(axis=1) >= 0
+        else:
+            there = (copies == root + 1 + length.max()).any(axis=1)
+        there &= numbers[:, SCALE] > 0
         alive, now = alive[there], now[np.flatnonzero(there)]
         length[alive] += 1
     return length

@@ -7,6 +7,7 @@ numbers from all pairs that the structure explains. Nothing here looks at what i
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,7 @@ from ipmlang.inverse.recursion.nodes import between
 from ipmlang.inverse.recursion.strokes import Integers
 
 TURN, LENGTH, SCALE, SPIN = range(4)
+MANY = 1 << 40  # nodes, which nobody asks for
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,7 +68,7 @@ def frames_of(steps: Floats, hand: int) -> Frames:
 
 def grow(root: Frames, twigs: list[Twig], depth: int, most: int) -> Grown | None:
     """The structure of `depth` generations, None if it has more than `most` nodes."""
-    sizes = _sizes(twigs, depth)
+    sizes = np.array(node_counts([twig.less for twig in twigs], depth), np.int64)
     if sizes[depth] > most:
         return None
     parts, now, base = [(root, *_root(depth))], 0, 0
@@ -95,13 +97,15 @@ def _root(depth: int) -> tuple[Integers, Integers, Integers, Integers]:
     return np.array([depth], np.int64), none, none, zero
 
 
-def _sizes(twigs: list[Twig], depth: int) -> Integers:
-    """(depth + 1,) nodes below and with a node of each m."""
-    sizes = np.ones(depth + 1, np.int64)
+def node_counts(decreases: Sequence[int], depth: int) -> list[int]:
+    """How many nodes there are below and with a node of each m up to `depth`, where the branches
+    take so much from m.
+    """
+    counts = [1]
     for level in range(1, depth + 1):
-        inner = [min(int(sizes[level - t.less]), 1 << 40) for t in twigs if t.less <= level]
-        sizes[level] = 1 + sum(inner)
-    return sizes
+        below = [counts[level - less] for less in decreases if less <= level]
+        counts.append(min(1 + sum(below), MANY))
+    return counts
 
 
 def fitted(twigs: list[Twig], grown: Grown, seen: Frames, depth: int) -> list[Twig]:
