@@ -18,8 +18,8 @@ def header(path: Path, report: Report, flat: bool) -> tuple[ast.Comment, ...]:
         lines.append("One placement per element; nothing was looked for.")
     else:
         share = round(report.explained * report.elements)
-        rules = counted(report.rules, "rule")
-        explained = f"{rules} for {share} of them" if report.rules else "no rule pays"
+        rules = counted(report.rules, "rule") if report.rules else "repetition"
+        explained = f"{rules} for {share} of them" if report.rules or share else "no rule pays"
         lines.append(f"Found: {explained}; {report.tokens} tokens instead of {report.tokens_flat}.")
     lines.append(_largest_error(report))
     lines += [f"Note: {note}" for note in report.notes]

@@ -31,7 +31,7 @@ from ipmlang.inverse.parts.observation import Parts
 from ipmlang.inverse.report import Report, counted
 from ipmlang.inverse.split.changing import without_wraps
 from ipmlang.inverse.split.comparison import Difference
-from ipmlang.inverse.split.cost import scheme_tokens
+from ipmlang.inverse.split.cost import ASSET, SHAPE, scheme_tokens
 from ipmlang.inverse.split.explained import count_explained
 from ipmlang.inverse.split.facades.homes import at_home
 from ipmlang.inverse.split.parts_file import PartsFile, parts_name, write_parts
@@ -110,16 +110,35 @@ def _searched(goal: _Goal, plain: Scheme, options: Options) -> Iterator[Scheme]:
         yield plain
         return
     from ipmlang.inverse.split.facades.splitting import as_splits
-    from ipmlang.inverse.split.search.shortest import schemes
 
-    for found in schemes(parts, goal.limit * parts.diagonal):
-        found = risen(found)
+    for found in _found_by_search(goal, small):
         if _shorter(goal, found, plain, small):
             split = as_splits(found, small)
             if split is not found:
                 yield split
             yield found
     yield plain
+
+
+def _found_by_search(goal: _Goal, small: float) -> Iterator[Scheme]:
+    """The schemes of a search; where shapes stand in several sizes, the first of another search, in
+    which they are one shape, before or after the first.
+    """
+    from ipmlang.inverse.parts.scaling import as_one
+    from ipmlang.inverse.split.search.resizing import promising
+    from ipmlang.inverse.split.search.shortest import schemes
+    from ipmlang.inverse.split.separating import separated
+
+    parts, bound = goal.parts, goal.limit * goal.parts.diagonal
+    found = schemes(parts, bound)
+    first = [risen(next(found))]
+    likely = promising(parts, bound)
+    if likely:
+        resized = next(schemes(as_one(parts, likely), bound))
+        first.append(risen(separated(resized, parts, small)))
+        first.sort(key=lambda each: _length(goal, each))
+    yield from first
+    yield from map(risen, found)
 
 
 def _shorter(goal: _Goal, found: Scheme, plain: Scheme, small: float) -> bool:
@@ -133,12 +152,13 @@ def _shorter(goal: _Goal, found: Scheme, plain: Scheme, small: float) -> bool:
 
 
 def _length(goal: _Goal, scheme: Scheme) -> int:
-    """The tokens of a scheme's text, but for those that all have, and more for what tables list:
-    of two that are about as long, the one that explains more is the better one.
+    """The tokens of a scheme's text, but for those that all have, and more for what tables list and
+    for shapes: of two that are about as long, the one that explains more is the better one.
     """
-    items = _said(goal, scheme, ROUNDINGS[0], False).items
-    listed = [len(item.rows) for item in items if isinstance(item, ast.Table)]
-    return _tokens(ast.Grammar(items)) + LISTED * len(listed) + ROW * sum(listed)
+    said = _said(goal, scheme, ROUNDINGS[0], False)
+    listed = [len(item.rows) for item in said.items if isinstance(item, ast.Table)]
+    shapes = (ASSET + SHAPE) * len(said.terminals)
+    return _tokens(ast.Grammar(said.items)) + LISTED * len(listed) + ROW * sum(listed) + shapes
 
 
 def _tokens(grammar: ast.Grammar) -> int:
@@ -232,7 +252,11 @@ def _grammar(goal: _Goal, said: _Said, suffix: str) -> ast.Grammar:
 
 def _report(goal: _Goal, scheme: Scheme, difference: Difference, options: Options) -> Report:
     """The report without what is counted in the text."""
-    parts, counts = goal.parts, count_explained(scheme, goal.parts)
+    from ipmlang.inverse.parts.scaling import as_one
+    from ipmlang.inverse.split.separating import used_likenesses
+
+    parts = goal.parts
+    counts = count_explained(scheme, as_one(parts, used_likenesses(scheme, parts)))
     return Report(
         method="split",
         elements=len(parts.shape),

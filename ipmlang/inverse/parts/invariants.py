@@ -35,7 +35,7 @@ def alike(pieces: Pieces, center: Floats, tolerance: float) -> list[Integers]:
             np.diff(pieces.face_start),
             np.diff(pieces.corner_start),
             np.diff(pieces.vertex_start),
-            sums(_face_kinds(pieces), pieces.face_start).view(np.int64),
+            sums(face_kinds(pieces), pieces.face_start).view(np.int64),
         ],
         axis=1,
     )
@@ -53,7 +53,7 @@ def alike(pieces: Pieces, center: Floats, tolerance: float) -> list[Integers]:
     return sorted(groups, key=lambda group: int(group[0]))
 
 
-def _face_kinds(pieces: Pieces) -> NDArray[np.uint64]:
+def face_kinds(pieces: Pieces) -> NDArray[np.uint64]:
     """A hash of each face's material and number of corners."""
     sizes = np.diff(pieces.offsets).astype(np.uint64)
     return mixed(mixed(sizes) ^ pieces.material.astype(np.uint64))

@@ -35,7 +35,7 @@ def class_names(
     hints = [_hint(rows, paths) if several else "" for rows in members]
     by_group = _telling(hints, own)
     by_material = _telling([_by_material(mesh) for mesh in meshes], own)
-    return _numbered(
+    return numbered(
         [
             group or material or shape_word(mesh)
             for group, material, mesh in zip(by_group, by_material, meshes, strict=True)
@@ -96,7 +96,7 @@ def _fills_box(mesh: Mesh, size: Floats) -> bool:
     return len(share) == 8 and bool((np.abs(share - np.rint(share)) < 1e-6).all())
 
 
-def _numbered(wanted: Sequence[str]) -> list[str]:
+def numbered(wanted: Sequence[str]) -> list[str]:
     """Names used once: the second `Box` is `Box2`."""
     taken: set[str] = set()
     numbers: Counter[str] = Counter()

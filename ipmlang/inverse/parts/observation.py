@@ -37,6 +37,18 @@ class PartClass:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Likeness:
+    """Class `shape` is class `of` made larger or smaller: its own coordinates = frame(those of
+    `of`), one row; misfit: units that a vertex is off at most.
+    """
+
+    shape: int
+    of: int
+    frame: Frames
+    misfit: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Parts:
     """n parts of a model as columns, with what they refer to.
 
@@ -46,7 +58,8 @@ class Parts:
     nothing; misfit: (n,) largest distance of a vertex from where its frame puts it; diagonal: of
     the box of everything; up: which way was up in the file; triangles, vertices: as counted in the
     file; source_bytes: of the file; notes: what was mended, split or left out; turn: degrees about
-    the vertical, to the left, by which all of it is to be turned to stand in the world.
+    the vertical, to the left, by which all of it is to be turned to stand in the world; likenesses:
+    of classes that are scaled copies of others.
     """
 
     shape: Integers
@@ -63,3 +76,4 @@ class Parts:
     source_bytes: int
     notes: tuple[Note, ...] = ()
     turn: float = 0.0
+    likenesses: tuple[Likeness, ...] = ()

@@ -23,8 +23,9 @@ from ipmlang.inverse.parts.classes import MOST_SYMMETRY, Classes, ShapeClass, cl
 from ipmlang.inverse.parts.invariants import alike, centers
 from ipmlang.inverse.parts.mending import sound
 from ipmlang.inverse.parts.naming import class_names
-from ipmlang.inverse.parts.observation import PartClass, Parts
+from ipmlang.inverse.parts.observation import Likeness, PartClass, Parts
 from ipmlang.inverse.parts.pieces import Pieces, piece_mesh, sorted_pieces, with_diagonals
+from ipmlang.inverse.parts.scaling import likenesses
 from ipmlang.inverse.parts.segmenting import segmented
 from ipmlang.inverse.parts.soup import Soup, gathered
 from ipmlang.inverse.parts.upward import upward
@@ -121,6 +122,7 @@ def _taken_apart(
     told = _told(replace(soup, mesh=better), pieces, found, diagonal, stem)
     parts = replace(
         told,
+        likenesses=_likenesses(pieces, found, within * diagonal),
         triangles=int((np.diff(mesh.offsets) - 2).sum()),
         vertices=len(mesh.vertices),
         notes=(*said, *_unused(mesh), *mended, *cut, *told.notes),
@@ -140,6 +142,13 @@ def _classes(pieces: Pieces, tolerance: float, same_triangles: bool) -> Classes:
         return finer
     found = classified(pieces, tolerance)
     return finer if len(finer.classes) <= FINER * len(found.classes) + 1 else found
+
+
+def _likenesses(pieces: Pieces, found: Classes, tolerance: float) -> tuple[Likeness, ...]:
+    """The classes that are scaled copies of others."""
+    low = np.minimum.reduceat(pieces.vertices, pieces.vertex_start[:-1], axis=0)
+    levers = np.stack([_lever(each, found, low) for each in found.classes])
+    return likenesses(pieces, found, levers, tolerance)
 
 
 def _connected(soup: Soup, met: Integers) -> tuple[Integers, Integers]:

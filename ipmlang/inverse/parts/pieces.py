@@ -100,6 +100,39 @@ def with_diagonals(pieces: Pieces) -> Pieces:
     return replace(pieces, laid=np.concatenate(columns, axis=1))
 
 
+def chosen(pieces: Pieces, rows: Integers) -> Pieces:
+    """Some of the parts, in this order."""
+    corner, face, vertex = (
+        corners_of(start, rows)
+        for start in (pieces.corner_start, pieces.face_start, pieces.vertex_start)
+    )
+    offsets = _ends(np.diff(pieces.offsets)[face])
+    vertex_start = _ends(np.diff(pieces.vertex_start)[rows])
+    moved = vertex_start[:-1] - pieces.vertex_start[rows]
+    after, before = neighbours(offsets)
+    return Pieces(
+        pieces.vertices[vertex],
+        pieces.corners[corner] + np.repeat(moved, np.diff(pieces.corner_start)[rows]),
+        offsets,
+        pieces.material[face],
+        pieces.group[face],
+        None if pieces.uv is None else pieces.uv[corner],
+        None if pieces.normals is None else pieces.normals[corner],
+        None if pieces.laid is None else pieces.laid[corner],
+        _ends(np.diff(pieces.face_start)[rows]),
+        _ends(np.diff(pieces.corner_start)[rows]),
+        vertex_start,
+        after,
+        before,
+        pieces.face[face],
+    )
+
+
+def _ends(sizes: Integers) -> Integers:
+    """Where each of several things of these sizes begins, and where the last ends."""
+    return np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
+
+
 def _laid(mesh: Mesh, faces: Integers, corner: Integers, keep_uv: bool) -> Floats | None:
     textured = np.array([*(each.texture is not None for each in mesh.materials), False]) | keep_uv
     if mesh.uv is None or not textured.any():

@@ -38,7 +38,9 @@ AROUND = 3  # `[… A]`
 VECTOR = 6  # `translate(x, y, z)` without signs
 SPLIT = 4  # `split x { … }`
 OCTANT = 7  # `octant(x, y, z, 1)`
+GROWTH = 5  # `pow(g, i)`
 ASSET = 1  # one more name in `asset a, b, c in "…"`
+SHAPE = 6  # for a shape in the parts file, beside its name: where schemes differ in these
 
 
 def placement_tokens(frames: Frames, small: float) -> Integers:
@@ -115,6 +117,8 @@ def _loop_tokens(direction: Direction, small: float) -> int:
 
 
 def _ring_tokens(ring: Ring, small: float) -> int:
+    if not ring.angle:
+        return _swelling_tokens(ring, small)
     upright = float(ring.axis[2]) > 1 - SMALL
     center = float(np.abs(ring.center).max()) > small
     outer = 2 * (center or not upright) + VECTOR * center + (VECTOR + 1) * (not upright)
@@ -125,6 +129,17 @@ def _ring_tokens(ring: Ring, small: float) -> int:
     growth = VECTOR + 2 if abs(ring.growth - 1) > SMALL else 0
     holes = EXCEPT + len(ring.holes) if ring.holes else 0
     return LOOP + outer + inner + rise + growth + holes
+
+
+def _swelling_tokens(ring: Ring, small: float) -> int:
+    """Of `repeat(i < n) { [translate(x, y, z + d * i) *(s * pow(g, i)) A] }`."""
+    moved = np.abs(ring.rise * ring.axis) > small
+    begun = np.abs(ring.center) > small
+    steps = STEP * int(moved.sum()) - 2 * int((moved & ~begun).sum())
+    place = (VECTOR + steps + int(_negative(ring.center, small))) * bool((moved | begun).any())
+    scaled = abs(float(ring.first.scale[0]) - 1) > SMALL
+    inner = int(placement_tokens(first_around(ring), small)[0]) - 4 * scaled
+    return LOOP + place + AROUND + 3 + GROWTH + 2 * scaled + max(inner - AROUND, 0)
 
 
 def _cell_tokens(cell: Cell) -> int:

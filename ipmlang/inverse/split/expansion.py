@@ -99,7 +99,7 @@ def _ring(ring: Ring) -> Frames:
 
     index = np.array([i for i in range(ring.count) if i not in ring.holes], np.float64)
     turns = Rotation.from_rotvec(np.radians(ring.angle) * index[:, None] * ring.axis).as_matrix()
-    turns = turns * (ring.growth**index)[:, None, None]
+    turns = turns * (ring.growth**index + ring.gain * index)[:, None, None]
     moved = ring.center - turns @ ring.center + (ring.rise * index)[:, None] * ring.axis
     return compose(from_matrices(np.concatenate([turns, moved[:, :, None]], axis=2)), ring.first)
 

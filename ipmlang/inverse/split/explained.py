@@ -33,8 +33,8 @@ def count_explained(scheme: Scheme, parts: Parts) -> Counts:
     """The counts of a scheme."""
     drawn = times_drawn(scheme)
     rules = [k for k, each in enumerate(scheme.symbols[:-1]) if isinstance(each, Rule)]
-    shares = _terminals(scheme)
     members = np.bincount(parts.shape, minlength=len(parts.classes))
+    shares = _terminals(scheme, len(members))
     twins = members >= 2
     explained = np.minimum(shares, members)
     return Counts(
@@ -59,9 +59,8 @@ def times_drawn(scheme: Scheme) -> Floats:
     return drawn
 
 
-def _terminals(scheme: Scheme) -> Floats:
-    """How many parts of each class are drawn below something that repeats."""
-    size = 1 + max((each.part for each in scheme.symbols if not isinstance(each, Rule)), default=0)
+def _terminals(scheme: Scheme, size: int) -> Floats:
+    """How many parts of each of so many classes are drawn below something that repeats."""
     drawn = times_drawn(scheme)
     whole: list[Floats] = []  # terminals below each symbol
     under: list[Floats] = []  # of these, those below something that repeats

@@ -61,7 +61,7 @@ def _steps(item: Item) -> Iterator[tuple[int, int, int, float]]:
             even = direction.count >= FEWEST and not direction.steps and step > 0
             if even and np.abs(np.delete(direction.step, axis)).max() <= STRAIGHT * step:
                 yield number, axis, direction.count, step
-    if isinstance(item, Ring) and item.count >= FEWEST and item.growth == 1.0:
+    if isinstance(item, Ring) and item.count >= FEWEST and not item.grows:
         upright = float(item.axis[2]) > 1 - STRAIGHT
         if upright and item.rise > 0:
             yield 0, 2, item.count, item.rise
@@ -83,7 +83,7 @@ def risen(scheme: Scheme) -> Scheme:
 
 
 def _risen(item: Item) -> Item:
-    if isinstance(item, Ring) and item.rise * item.axis[2] < 0 and item.growth == 1.0:
+    if isinstance(item, Ring) and item.rise * item.axis[2] < 0 and not item.grows:
         return _ring_risen(item)
     if isinstance(item, Array):
         for number, direction in enumerate(item.directions):

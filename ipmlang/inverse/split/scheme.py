@@ -70,11 +70,13 @@ class Array:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ring:
-    """A symbol again and again about an axis: rings, fans, spiral stairs, spirals.
+    """A symbol again and again about an axis: rings, fans, spiral stairs, spirals; with an angle of
+    0: rows whose members grow.
 
     first: one frame, of the first member; center, axis: (3,) a point and the unit direction of the
     axis; angle: degrees a step; rise: units a step along the axis; growth: factor a step of size
-    and of distance from the center; holes: indices that are missing.
+    and of distance from the center; gain: what is added to that factor a step, beside a growth of
+    1; holes: indices that are missing.
     """
 
     symbol: int
@@ -86,6 +88,12 @@ class Ring:
     rise: float = 0.0
     growth: float = 1.0
     holes: frozenset[int] = frozenset()
+    gain: float = 0.0
+
+    @property
+    def grows(self) -> bool:
+        """Whether members differ in size."""
+        return self.growth != 1.0 or self.gain != 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

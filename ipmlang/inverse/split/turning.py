@@ -21,14 +21,15 @@ DOWN = 1e-9  # from straight down: any turn by 180° will do
 
 
 def axis_frame(ring: Ring) -> Frames:
-    """One frame at the center of a ring, its z along the axis by the shortest turn.
+    """One frame at the center of a ring, its z along the axis by the shortest turn; upright where
+    members do not turn.
 
     >>> from ipmlang.inverse.frames import identity
     >>> ring = Ring(0, identity(), 4, np.zeros(3), np.array([1.0, 0.0, 0.0]), 90.0)
     >>> axis_frame(ring).rotation.round(3).tolist()
     [[0.707, 0.0, 0.707, 0.0]]
     """
-    x, y, z = ring.axis.tolist()
+    x, y, z = ring.axis.tolist() if ring.angle else (0.0, 0.0, 1.0)
     turn = np.array([[0.0, 1.0, 0.0, 0.0]] if z < DOWN - 1 else [[1.0 + z, -y, x, 0.0]])
     turn = canonical(turn / np.linalg.norm(turn))
     return Frames(ring.center[None], turn, np.ones(1), np.ones(1))

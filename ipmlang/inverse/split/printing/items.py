@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import assert_never
 
 import numpy as np
@@ -245,6 +245,8 @@ def _digit(passed: int, count: int, last: bool) -> ast.Expr:
 
 def _ring(wording: Wording, ring: Ring, key: tuple[int, int]) -> ast.Element:
     """`[translate(center) rotate(to the axis) repeat(i < n) { [rotate(0, 0, a * i) first] }]`."""
+    if not ring.angle:
+        return _swelling(wording, ring, key)
     to_axis, first = axis_frame(ring), first_around(ring)
     reach = float(wording.reach[ring.symbol])
     around = reach + float(np.linalg.norm(first.position))
@@ -256,6 +258,35 @@ def _ring(wording: Wording, ring: Ring, key: tuple[int, int]) -> ast.Element:
     count = wording.count((*key, 0), ring.count)
     loop = ast.Repeat(ast.Count("i", count), (body,), holes)
     return loop if outer.plain and all_nothing(outer.place) else placed(outer, [loop])
+
+
+def _swelling(wording: Wording, ring: Ring, key: tuple[int, int]) -> ast.Element:
+    """`repeat(i < n) { [translate(x, y, z + d * i) *(s * pow(g, i)) first] }`."""
+    index, first = ast.Name("i"), first_around(ring)
+    size = float(first.scale[0])
+    first = replace(first, position=first.position / size, scale=np.ones(1))
+    reach = float(wording.reach[ring.symbol]) + float(np.linalg.norm(first.position))
+    place = added(
+        wording.precision.vector(ring.center),
+        _moved(wording, ring.rise * ring.axis, index, ring.count),
+    )
+    grown = Spot(place, scale=_factor(wording, ring, size, reach))
+    inner = spots(first, wording.precision, reach)[0]
+    body = bracket([*steps_to(grown), *steps_to(inner), *wording.symbol(ring.symbol)])
+    holes = tuple(ast.Number(float(hole)) for hole in sorted(ring.holes))
+    count = wording.count((*key, 0), ring.count)
+    return ast.Repeat(ast.Count("i", count), (body,), holes)
+
+
+def _factor(wording: Wording, ring: Ring, size: float, reach: float) -> ast.Expr:
+    """`0.5 * pow(0.9, i)` or `0.5 + 0.05 * i`: how large each member is."""
+    index, error = ast.Name("i"), wording.precision.ratio(reach)
+    first = ast.Number(shortest(size, error))
+    largest = max(1.0, size) * max(1, ring.count - 1)
+    if ring.gain:
+        return plus(first, times(ast.Number(shortest(size * ring.gain, error / largest)), index))
+    ratio = ast.Number(shortest(ring.growth, error / (largest * max(1.0, ring.growth**ring.count))))
+    return times(first, ast.Call("pow", (ast.Argument(ratio), ast.Argument(index))))
 
 
 def _at_radius(spot: Spot) -> list[ast.Element]:

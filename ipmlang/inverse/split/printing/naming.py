@@ -13,6 +13,7 @@ import numpy as np
 
 from ipmlang.inverse.frames import Floats
 from ipmlang.inverse.naming import LONGEST, Names, capital
+from ipmlang.inverse.parts.naming import numbered
 from ipmlang.inverse.split.expansion import placements
 from ipmlang.inverse.split.scheme import (
     Array,
@@ -33,9 +34,12 @@ UPWARD = 0.7  # share of a step that has to be up for a column
 def symbol_names(scheme: Scheme, axiom: str, names: Names) -> tuple[str, ...]:
     """A name for every symbol; axiom: the wish for the last one."""
     wishes: list[str] = []
+    shapes = [each.name for each in scheme.symbols if isinstance(each, Terminal)]
+    # Some shapes of the file stand for others: what is left is numbered anew.
+    terminals = iter(numbered([name.rstrip("0123456789") or name for name in shapes]))
     for number, symbol in enumerate(scheme.symbols):
         if isinstance(symbol, Terminal):
-            wishes.append(symbol.name)
+            wishes.append(next(terminals))
         elif number == scheme.axiom:
             wishes.append(axiom)
         else:
@@ -83,8 +87,10 @@ def _arrangement(items: Sequence[Item], drawn: Sequence[tuple[int, int]]) -> str
         match items[0]:
             case Array(directions=directions):
                 return _array_word([direction.step for direction in directions])
-            case Ring(rise=rise, growth=growth):
-                return "Ring" if rise == 0 and growth == 1 else "Spiral"
+            case Ring(angle=0.0):
+                return "Row"
+            case Ring(rise=rise, grows=grows):
+                return "Spiral" if rise or grows else "Ring"
             case Split(axis=axis):
                 return ("Bays", "Layers", "Storeys")[axis]
             case Octant():

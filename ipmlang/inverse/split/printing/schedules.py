@@ -12,9 +12,10 @@ from dataclasses import dataclass
 
 from ipmlang.compiler import ast
 from ipmlang.inverse.naming import Names
-from ipmlang.inverse.split.placing import Spot, placed, steps_to
+from ipmlang.inverse.split.placing import Spot, placed
 from ipmlang.inverse.split.printing.tables import (
     Layout,
+    behind,
     grouped,
     layout_of,
     pays,
@@ -79,7 +80,7 @@ def arrangement(copies: Sequence[Copies], title: str, names: Names) -> Arrangeme
     tables: list[ast.Table] = []
     for schedule in schedules:
         table = _table(copies, schedule, names.give(title))
-        body = (*steps_to(schedule.layout.common), ast.Module(f"at.{SHAPE}"))
+        body = behind(schedule.layout.common, (ast.Module(f"at.{SHAPE}"),))
         tables.append(table)
         first.append(ast.Repeat(ast.Rows("at", table.name, places=True), body))
     own: list[tuple[ast.Element, ...]] = []
@@ -109,18 +110,27 @@ def _units(owner: int, copies: Copies) -> Iterator[_Unit]:
 
 def _may_share(copies: Sequence[Copies], unit: _Unit) -> bool:
     """Whether a schedule may hold a unit: a plain symbol, that stands elsewhere than at home."""
-    alone = len(copies[unit.owner].inner) == 1 and unit.alone > len(unit.spots)
-    return alone and all(spot.scale is None for spot in unit.spots)
+    return len(copies[unit.owner].inner) == 1 and unit.alone > len(unit.spots)
 
 
 def _schedules(units: Sequence[_Unit]) -> list[_Schedule]:
-    """The schedules that save most: of each hand one, or one for each way to be turned."""
+    """The schedules that save most: of each hand one, or one for each way to be turned; what is
+    scaled is apart.
+    """
     found: list[_Schedule] = []
-    for mirrored in (False, True):
-        own = [unit for unit in units if unit.spots[0].mirrored == mirrored]
+    for mirrored, scaled in ((False, False), (True, False), (False, True), (True, True)):
+        own = [
+            unit
+            for unit in units
+            if unit.spots[0].mirrored == mirrored and _is_scaled(unit) == scaled
+        ]
         ways = [_best(way) for way in _ways(own)]
         found += max(ways, key=lambda way: sum(each.gain for each in way), default=[])
     return found
+
+
+def _is_scaled(unit: _Unit) -> bool:
+    return any(spot.scale is not None for spot in unit.spots)
 
 
 def _ways(units: Sequence[_Unit]) -> Iterator[list[list[_Unit]]]:

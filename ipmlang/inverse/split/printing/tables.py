@@ -79,10 +79,10 @@ def tabled(
     rows = tuple(layout.cells(spot) for spot in group)
     table = ast.Table(names.give(_title(name)), columns=layout.columns, rows=rows)
     head = ast.Rows("at", table.name, places=True)
-    return ast.Repeat(head, _behind(layout.common, inner)), table
+    return ast.Repeat(head, behind(layout.common, inner)), table
 
 
-def _behind(common: Spot, inner: Sequence[ast.Element]) -> tuple[ast.Element, ...]:
+def behind(common: Spot, inner: Sequence[ast.Element]) -> tuple[ast.Element, ...]:
     """What stands at a row's place; a factor is the turtle's, and has a bracket of its own."""
     return (placed(common, inner),) if common.scale is not None else (*steps_to(common), *inner)
 

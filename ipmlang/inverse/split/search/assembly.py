@@ -6,10 +6,13 @@ draw. Also the flat scheme, and how far a scheme is from the parts it stands for
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ipmlang.inverse.frames import Floats, Frames, Integers, compose, moved_to, spread
 from ipmlang.inverse.parts.observation import Parts
+from ipmlang.inverse.split.changing import needed
 from ipmlang.inverse.split.expansion import expand
 from ipmlang.inverse.split.scheme import Item, Place, Rule, Scheme, Symbol, Terminal
 from ipmlang.inverse.split.search.drafts import Draft, Limits
@@ -34,9 +37,15 @@ def flat(parts: Parts) -> Scheme:
     items = tuple(
         Place(index, simplest(of_class(part), frames[part.members], 1e-9 * parts.diagonal))
         for index, part in enumerate(parts.classes)
+        if len(part.members)
     )
     size = parts.high.max(axis=0) - origin if len(parts.high) else np.zeros(3)
-    return Scheme((*terminals(parts), Rule("", size, items)), moved_to(origin[None]))
+    return _scheme([*terminals(parts), Rule("", size, items)], moved_to(origin[None]))
+
+
+def _scheme(symbols: Sequence[Symbol], frame: Frames) -> Scheme:
+    """The scheme of the last symbol and all that it needs."""
+    return Scheme(needed(symbols, len(symbols) - 1)[0], frame)
 
 
 def assembled(parts: Parts, draft: Draft, origin: Floats, limits: Limits, memory: Memory) -> Scheme:
@@ -67,7 +76,7 @@ def assembled(parts: Parts, draft: Draft, origin: Floats, limits: Limits, memory
             items += arranged(shape, own, name, limits, memory).items
         size = cloud.max(axis=0) - low if len(cloud) else np.zeros(3)
         symbols.append(Rule("", size, tuple(items)))
-    return Scheme(tuple(symbols), moved_to((origin + corner[-1])[None]))
+    return _scheme(symbols, moved_to((origin + corner[-1])[None]))
 
 
 def _order(draft: Draft) -> list[int]:
@@ -149,6 +158,8 @@ def errors(parts: Parts, scheme: Scheme) -> Floats:
         own = frames[np.nonzero(shape == index)[0]]
         if len(own) != len(part.members):
             return found
+        if not len(own):  # another class stands for it
+            continue
         figure = of_class(part)
         points = probed(figure, own)
         there = parts.frames[part.members]

@@ -58,8 +58,8 @@ def _from(motion: Floats, index: int) -> Floats:
 
 
 def fitted(source: Floats, target: Floats, near: Floats) -> Floats:
-    """(k, 3, 4) least-squares rigid motions of points (p, 3) to (k, p, 3), with the handedness
-    and the scale of those nearby.
+    """(k, 3, 4) least-squares motions of points (p, 3) to (k, p, 3), with the handedness of those
+    nearby, and scaled where these are.
     """
     scale = np.cbrt(np.abs(np.linalg.det(near[:, :, :3])))
     hand = np.sign(np.linalg.det(near[:, :, :3]))
@@ -68,7 +68,11 @@ def fitted(source: Floats, target: Floats, near: Floats) -> Floats:
     left, _, right = np.linalg.svd(spread)
     flip = np.ones((len(target), 3))
     flip[:, 2] = hand * np.sign(np.linalg.det(left @ right))
-    turn = np.einsum("kji,kj,klj->kil", right, flip, left) * scale[:, None, None]
+    turn = np.einsum("kji,kj,klj->kil", right, flip, left)
+    if np.abs(scale - 1).max(initial=0.0) > 1e-9:
+        own = np.einsum("kil,pl,kpi->k", turn, source - middle, target - middles[:, None])
+        scale = np.where(np.abs(scale - 1) > 1e-9, own / ((source - middle) ** 2).sum(), scale)
+    turn = turn * scale[:, None, None]
     return np.concatenate([turn, (middles - turn @ middle)[:, :, None]], axis=2)
 
 

@@ -21,12 +21,14 @@ from ipmlang.inverse.split.search.arrays import Lattice, lattices
 from ipmlang.inverse.split.search.drafts import Limits
 from ipmlang.inverse.split.search.figures import Figure, alternatives, misses, probed, simplest
 from ipmlang.inverse.split.search.rings import rings
+from ipmlang.inverse.split.search.swelling import swelling
 from ipmlang.inverse.split.snapping import Flags, label_rows, members, snap_columns
 
 LEAST = 2.0  # tokens that a pattern has to save
 MOST = 40  # patterns of one symbol in one body
 CLOSELY = 12  # patterns whose gain is worked out exactly
 FEWEST = 3  # copies that may be a pattern
+SCALED = 1e-6  # by which scales differ
 MOST_TURNED = 400  # copies among which rings are looked for
 
 
@@ -113,7 +115,7 @@ def _arranged(shape: Figure, frames: Frames, symbol: int, limits: Limits) -> Arr
         group[rows] = number
     items: list[Place | Array | Ring] = []
     patterns, each = every * 0 - 1, []
-    circular = list(_rings(copies))
+    circular = [*_rings(copies), *_swelling(copies)]
     pool, stale = _arrays(copies, groups) + circular, set[int]()
     while pool and len(items) < MOST:
         best = _best(pool, listed, every[left])
@@ -132,7 +134,7 @@ def _arranged(shape: Figure, frames: Frames, symbol: int, limits: Limits) -> Arr
             pool = _arrays(copies, [groups[number] for number in sorted(stale) if number >= 0])
             stale = set()
             if circular:  # what had no rings has none in a part of it
-                pool += _rings(copies)
+                pool += [*_rings(copies), *_swelling(copies)]
     singly = list_tokens(listed, every[left])
     if left.any():
         items.append(Place(symbol, plainest[every[left]]))
@@ -151,12 +153,17 @@ def _best(pool: list[Found], listed: Listing, rows: Integers) -> Found | None:
     return best
 
 
-def _turned_alike(shape: Figure, frames: Frames, limits: Limits) -> list[tuple[Integers, Frames]]:
-    """Rows whose turns are the same modulo the symmetry, with their frames turned the same."""
+def _turned_alike(
+    shape: Figure, frames: Frames, limits: Limits, of_one_size: bool = True
+) -> list[tuple[Integers, Frames]]:
+    """Rows whose turns are the same modulo the symmetry, with their frames turned the same; also
+    as large as each other, if asked.
+    """
     many = len(shape.symmetry)
     every = alternatives(shape, frames)
     near = max(1e-7, 4 * limits.error / max(shape.reach, limits.error))
-    label = snap_columns(linear(every).reshape(-1, 9), near)
+    turns = linear(every) if of_one_size else linear(every) / every.scale[:, None, None]
+    label = snap_columns(turns.reshape(-1, 9), near)
     kind = label_rows(label)[0].reshape(-1, many)
     coset, count = label_rows(kind.min(axis=1)[:, None])
     groups = []
@@ -180,6 +187,21 @@ def _rings(copies: _Copies) -> Iterator[Found]:
         gain = float(copies.alone[rest[rows]].sum()) - tokens
         if gain >= LEAST:
             yield Found(gain, tokens, rest[rows], ring)
+
+
+def _swelling(copies: _Copies) -> Iterator[Found]:
+    """Rows of growing members that pay among the rows that are left."""
+    rest = np.nonzero(copies.left)[0]
+    scale = copies.frames.scale[rest]
+    if len(scale) < FEWEST or np.ptp(scale) <= SCALED:
+        return
+    error = copies.limits.error
+    for own, turned in _turned_alike(copies.shape, copies.frames[rest], copies.limits, False):
+        for rows, row in swelling(copies.shape, turned, copies.symbol, error):
+            tokens = item_tokens(row, copies.limits.small)
+            gain = float(copies.alone[rest[own[rows]]].sum()) - tokens
+            if gain >= LEAST:
+                yield Found(gain, tokens, rest[own[rows]], row)
 
 
 def _arrays(copies: _Copies, groups: list[tuple[Integers, Frames]]) -> list[Found]:

@@ -16,6 +16,7 @@ from ipmlang.inverse.split.search.fields import Field, agree
 from ipmlang.inverse.split.snapping import label_rows, members, snap
 
 KINDS = 3  # relations that pairs at one distance are told apart into
+SCALED = 1e-5  # share by which copies are larger than others
 MOST = 400  # occurrences of a pair that are followed
 
 
@@ -51,14 +52,35 @@ def edges_of(field: Field, error: float) -> Edges:
     symbol = field.draft.symbol[pairs]
     once = (symbol[:, 0] < symbol[:, 1]) | ((symbol[:, 0] == symbol[:, 1]) & (first < field.near))
     pairs, symbol = pairs[once], symbol[once]
-    away = field.points[pairs[:, 0], 0] - field.points[pairs[:, 1], 0]
-    distance = snap(np.linalg.norm(away, axis=1), 2 * error)
-    label, counts = label_rows(np.concatenate([symbol, distance[:, None]], axis=1))
+    pairs = _larger_first(field, pairs, symbol)
+    told = np.concatenate([symbol, _apart(field, pairs, error)], axis=1)
+    label, counts = label_rows(told)
     count = counts[label]
     rich = np.zeros(len(field.draft))
     for side in (0, 1):
         np.add.at(rich, pairs[:, side], np.log(count))
     return Edges(pairs, label, count, rich)
+
+
+def _larger_first(field: Field, pairs: Integers, symbol: Integers) -> Integers:
+    """Pairs of one symbol the larger copy first, others as they are."""
+    scale = field.draft.frames.scale[pairs]
+    other = (symbol[:, 0] == symbol[:, 1]) & (scale[:, 1] > scale[:, 0] * (1 + SCALED))
+    return np.where(other[:, None], pairs[:, ::-1], pairs)
+
+
+def _apart(field: Field, pairs: Integers, error: float) -> Integers:
+    """Labels (e, 1 or 2) of how far apart pairs are, in units of the first, and, where any copy is
+    scaled, of how much larger the second is.
+    """
+    away = field.points[pairs[:, 0], 0] - field.points[pairs[:, 1], 0]
+    distance = np.linalg.norm(away, axis=1)
+    scale = field.draft.frames.scale
+    if np.abs(scale - 1).max(initial=0.0) <= SCALED:
+        return snap(distance, 2 * error)[:, None]
+    first, second = scale[pairs].T
+    distance = snap(distance / first, 2 * error / float(scale.min()))
+    return np.stack([distance, snap(second / first, SCALED)], axis=1)
 
 
 def seeds(field: Field, edges: Edges, chosen: Integers, error: float) -> Iterator[Seed]:
