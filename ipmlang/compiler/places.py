@@ -1,7 +1,8 @@
 """The places that the rows of a table say, as operations that lead to them.
 
 In go the columns of a table, out come elements that read a row: `translate`, `rotate`, a factor. A
-column that is missing moves nothing; a column `shape` names the symbol that stands in each place.
+column that is missing moves nothing; a column `shape` names the symbol that stands in each row's
+copy, whatever the row is called.
 What further columns mean is for those who read them.
 """
 
@@ -9,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 from ipmlang.compiler import ast
 
@@ -29,11 +31,33 @@ def shapes_of(table: ast.Table) -> tuple[str, ...]:
     return tuple(dict.fromkeys(cell.id for cell in cells if isinstance(cell, ast.Name)))
 
 
+def in_runs(table: ast.Table) -> bool:
+    """Whether the rows of each symbol stand together, so that symbol by symbol is row by row."""
+    column = table.columns.index(SHAPE)
+    cells = [row[column] for row in table.rows]
+    changes = sum(one != other for one, other in pairwise(cells))
+    return changes < len(shapes_of(table))
+
+
 def only(table: ast.Table, shape: str) -> ast.Table:
     """The rows of a table that place a symbol, without the column `shape`."""
     column = table.columns.index(SHAPE)
     rows = tuple(row for row in table.rows if row[column] == ast.Name(shape))
     return without_shapes(replace(table, rows=rows))
+
+
+def choices(table: ast.Table) -> ast.Table:
+    """The column `shape` alone, its symbols as numbers of `shapes_of`."""
+    column, known = table.columns.index(SHAPE), shapes_of(table)
+    number = {ast.Name(name): ast.Number(float(k)) for k, name in enumerate(known)}
+    rows = tuple((number[row[column]],) for row in table.rows)
+    return replace(table, columns=(SHAPE,), rows=rows)
+
+
+def row_of(name: str) -> str:
+    """The variable of the row whose symbol a module names: r of `r.shape`, else nothing."""
+    row, _, column = name.rpartition(".")
+    return row if column == SHAPE else ""
 
 
 def without_shapes(table: ast.Table) -> ast.Table:

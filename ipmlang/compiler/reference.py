@@ -124,8 +124,9 @@ ELEMENTS = {
     "repeat(at T) { Tree }": "A copy at the place of each row of a table, by itself: as `repeat(r "
     "in T) { [translate(r.x, r.y, r.z) rotate(r.rx, r.ry, r.rz) *(r.scale) Tree] }`; a column that "
     "the table has not moves nothing. The row is called `at`: further columns are `at.color`. In a "
-    "column `shape` stand symbols, assets or rules without parameters, that `at.shape` in "
-    "the body is.",
+    "column `shape` of any table stand symbols, assets or rules without parameters, that "
+    "`at.shape` in the body is; under another name of the row, as in `repeat(r in T)` and `with r "
+    "in T`, it is `r.shape`.",
     "with w = rand(1, 2)": "From here to the end of the body, the group, the braces or the copy "
     "that it stands in, `w` is this value. It is computed once, where it stands: a random number "
     "is drawn once however often `w` is read, `scope.sx` is the extent here. In a function, a "

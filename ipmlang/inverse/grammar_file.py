@@ -16,6 +16,7 @@ import numpy as np
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.format import format_grammar
+from ipmlang.compiler.places import SHAPE
 from ipmlang.compiler.tokens import count_text_tokens
 from ipmlang.formats.drawing import Effect
 from ipmlang.formats.svg import table_xml
@@ -35,6 +36,7 @@ from ipmlang.inverse.naming import (
 from ipmlang.inverse.numbers import number as literal
 from ipmlang.inverse.observation import Observation
 from ipmlang.inverse.reach import measure
+from ipmlang.inverse.schedules import with_schedules
 from ipmlang.inverse.score import INLINE_ROWS
 from ipmlang.inverse.simplify import AXIOM, Book
 from ipmlang.inverse.terminals import Instanced, asset_element
@@ -119,6 +121,9 @@ def write_grammar(book: Book, subject: Subject) -> Written:
     reach = measure(book, radius, subject.share * subject.observed.diagonal)
     builder = Builder(book, reach, named, effects, names, axiom, painted, subject.use_tables)
     rules, placed = join_tables(builder.rules(), builder.tables)
+    if subject.use_tables:
+        rules, listed = with_schedules(rules, frozenset(named.values()), names)
+        placed = [*placed, *listed]
     order = _order_table(book, names)
     tables, stored, cells = stored_tables([*placed, *order], subject)
     items: list[ast.Item] = [ast.Version(1), *canvas(subject.observed)]
@@ -198,14 +203,14 @@ def _effects(
 def stored_tables(
     tables: Sequence[ast.Table], subject: Subject
 ) -> tuple[list[ast.Item], list[str], tuple[int, float]]:
-    """Short tables stand in the grammar, long ones in the parts file: how many cells these have,
-    and what they weigh.
+    """Short tables and those that name symbols stand in the grammar, long ones in the parts file:
+    how many cells these have, and what they weigh.
     """
     items: list[ast.Item] = []
     stored: list[str] = []
     cells, weight = 0, 0.0
     for table in tables:
-        if len(table.rows) <= INLINE_ROWS:
+        if len(table.rows) <= INLINE_ROWS or SHAPE in table.columns:
             items.append(table)
             continue
         rows = [[_value(cell) for cell in row] for row in table.rows]

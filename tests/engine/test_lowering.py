@@ -11,6 +11,7 @@ from ipmlang.compiler import compile_file, ir
 from ipmlang.compiler.diagnostics import IpmError
 from ipmlang.compiler.ir_text import dump
 from ipmlang.compiler.verify import verify
+from ipmlang.runtime import derive
 from tests.engine.grammars import compiled
 
 
@@ -146,8 +147,8 @@ def test_a_row_says_where_its_copy_stands() -> None:
 
 
 def test_rows_name_what_stands_in_their_place() -> None:
-    """As a table for each symbol; a table may be read as numbers besides."""
-    rows = "B, 1\n    A, 2\n    B, 3\n"
+    """As a table for each symbol where its rows stand together; numbers may be read besides."""
+    rows = "B, 1\n    B, 3\n    A, 2\n"
     rules = "A --> F(1)\nB --> F(2)\n"
     short = program(f"table T(shape, x) =\n    {rows}{rules}start repeat(at T) {{ f at.shape }}\n")
     two = "table T(x) = 1 3\ntable U(x) = 2\n"
@@ -155,6 +156,18 @@ def test_rows_name_what_stands_in_their_place() -> None:
     assert dump(short) == dump(long).replace(" U x", " T x")
     read = "start repeat(r in T) { [f(r.x) F] }\n"
     assert program(f"table T(shape, x) = {rows}{rules}{read}").tables[0].columns == ("x",)
+
+
+def test_rows_of_several_symbols_come_in_their_order() -> None:
+    """Whatever the row is called, and beside a count: each copy has the symbol of its own row."""
+    shapes = "BACABCCBAD"
+    rows = " ".join(f"({shape}, {x})" for x, shape in enumerate(shapes))
+    rules = "".join(f"{each} --> F({size})\n" for size, each in enumerate("ABCD", start=1))
+    sizes = [("ABCD".index(shape) + 1, x) for x, shape in enumerate(shapes)]
+    for loop in ("repeat(r in T)", "repeat(i < 10) with r in T"):
+        text = f"table T(shape, x) = {rows}\n{rules}start {loop} {{ [f(r.x) r.shape] }}\n"
+        made = derive(program(text)).instances
+        assert list(zip(made.size[:, 0], made.position[:, 0], strict=True)) == sizes
 
 
 def test_names_of_an_import_keep_apart(tmp_path: Path) -> None:

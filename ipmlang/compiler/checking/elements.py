@@ -34,7 +34,7 @@ from ipmlang.compiler.checking.operations import (
 )
 from ipmlang.compiler.diagnostics import nearest
 from ipmlang.compiler.ops import OPERATIONS
-from ipmlang.compiler.places import AT, COLUMNS, PLACED, SHAPE
+from ipmlang.compiler.places import COLUMNS, SHAPE, row_of
 
 _Element: TypeAlias = (
     ast.Module | ast.Bracket | ast.Repeat | ast.Split | ast.Block | ast.Each | ast.Assign
@@ -88,8 +88,8 @@ def _element(scope: Scope, element: _Element, certain: bool) -> None:
 
 def _module(scope: Scope, module: ast.Module, certain: bool) -> None:
     name, count = module.name, len(module.args)
-    row = scope.locals.get(AT)
-    if name == PLACED and isinstance(row, Row) and row.shapes and not count:
+    row = scope.locals.get(row_of(name))
+    if isinstance(row, Row) and row.shapes and not count:
         for shape in row.shapes:
             _call(scope, replace(module, name=shape), False)
         return
@@ -258,16 +258,13 @@ def _repeat(scope: Scope, repeat: ast.Repeat, certain: bool) -> None:
             columns = columns_of(scope, table, repeat.head.span)
             if places and columns is not None and set(COLUMNS).isdisjoint(columns):
                 _no_place(scope, repeat.head, columns)
-            shapes = _shapes(scope, table, places)
-            if shapes and columns is not None:
-                columns = tuple(each for each in columns if each != SHAPE)
-            inner = scope.inner(variable, Row(table, columns, shapes))
+            inner = scope.inner(variable, _row(scope, table, columns))
             certain = False
         case _:
             assert_never(repeat.head)
     if repeat.rows is not None:
         table = repeat.rows.table
-        bound = Row(table, columns_of(scope, table, repeat.rows.span))
+        bound = _row(scope, table, columns_of(scope, table, repeat.rows.span))
         inner = inner.inner(repeat.rows.variable, bound)
     for hole in repeat.holes:
         want(scope, hole, "int", "a hole of a `repeat`")
@@ -276,10 +273,13 @@ def _repeat(scope: Scope, repeat: ast.Repeat, certain: bool) -> None:
     check_body(inner, repeat.body, certain)
 
 
-def _shapes(scope: Scope, table: str, places: bool) -> tuple[str, ...]:
-    """The symbols that the rows of a table place."""
-    entry = scope.view.value(table) if places else None
-    return () if entry is None else entry.shapes
+def _row(scope: Scope, table: str, columns: tuple[str, ...] | None) -> Row:
+    """A row of a table; its column of symbols holds no values."""
+    entry = scope.view.value(table)
+    shapes = () if entry is None else entry.shapes
+    if shapes and columns is not None:
+        columns = tuple(each for each in columns if each != SHAPE)
+    return Row(table, columns, shapes)
 
 
 def _no_place(scope: Scope, rows: ast.Rows, columns: Sequence[str]) -> None:

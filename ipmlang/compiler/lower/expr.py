@@ -44,11 +44,14 @@ class Load:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A row of a table: the table's number, its columns, and which row."""
+    """A row of a table: the table's number, its columns, and which row; what the table is called
+    where the row is read.
+    """
 
     table: int
     columns: tuple[str, ...]
     index: Load
+    name: str = ""
 
 
 Operand: TypeAlias = Known | Register

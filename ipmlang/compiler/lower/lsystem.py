@@ -17,8 +17,8 @@ from ipmlang.compiler.lower.expr import Binding, Code, Environment, Load, Operan
 from ipmlang.compiler.lower.names import Unit
 from ipmlang.compiler.lower.operands import form_for, operands
 from ipmlang.compiler.lower.split import Splitting, selector
-from ipmlang.compiler.ops import OPERATIONS, Operation
-from ipmlang.compiler.places import AT, PLACED, way_to_place
+from ipmlang.compiler.ops import OPERATIONS, OPERATORS, Operation
+from ipmlang.compiler.places import AT, PLACED, SHAPE, row_of, way_to_place
 
 
 class Namer(Protocol):
@@ -35,8 +35,11 @@ class Namer(Protocol):
     ) -> tuple[int, tuple[str, ...], int] | None:
         """Number, columns and row count of a table, or of its rows that place a symbol."""
 
-    def shapes(self, unit: Unit, name: str) -> tuple[str, ...]:
-        """The symbols that the rows of a table place."""
+    def runs(self, unit: Unit, name: str) -> tuple[str, ...]:
+        """The symbols that the rows of a table place, if the rows of each stand together."""
+
+    def choices(self, unit: Unit, name: str) -> tuple[tuple[str, ...], int]:
+        """The symbols that the rows of a table place, and a table of which of them each does."""
 
     def steps_table(self, steps: tuple[float, ...]) -> int:
         """The number of a table of the lengths of moves."""
@@ -109,6 +112,10 @@ class Body:
     def _module(self, code: Code, module: ast.Module, names: Environment) -> None:
         if module.name == PLACED and self._shape is not None:
             module = replace(module, name=self._shape)
+        row = names.get(row_of(module.name))
+        if isinstance(row, Row) and not module.args:
+            self._chosen(code, module, row, names)
+            return
         record = self._namer.operation(code.unit, module.name)
         scoped = record is not None and bool(record.meaning)
         arity = len(form_for(record, module.args)) if record and scoped else len(module.args)
@@ -122,6 +129,35 @@ class Body:
             given = (each.value for each in self._ordered(module))
             args = [_value(code, module.name, each, names) for each in given]
         code.module(symbol, args, module.span)
+
+    def _chosen(self, code: Code, module: ast.Module, row: Row, names: Environment) -> None:
+        """The symbol of a row's column `shape`."""
+        shapes, table = self._namer.choices(code.unit, row.name)
+        if shapes:
+            self._one_of(code, module, shapes, (Row(table, (SHAPE,), row.index), 0), names)
+
+    def _one_of(
+        self,
+        code: Code,
+        module: ast.Module,
+        shapes: Sequence[str],
+        choice: tuple[Row, int],
+        names: Environment,
+    ) -> None:
+        """The symbol whose number a row says, `choice[1]` for the first: by halves, each of which
+        is drawn once or not at all, so that many rows of many symbols take few questions.
+        """
+        if len(shapes) == 1:
+            self._module(code, replace(module, name=shapes[0]), names)
+            return
+        row, first = choice
+        middle = len(shapes) // 2
+        said, limit = code.row(row, SHAPE), code.number(first + middle)
+        for sign, half, start in (("<", shapes[:middle], 0), (">=", shapes[middle:], middle)):
+            inner = code.block()
+            self._one_of(inner, module, half, (row, first + start), names)
+            often = code.call(OPERATORS[sign], (said, limit))
+            code.repeat(self._number(), (often,), inner, module.span)
 
     # -------------------------------------------------------------- parts of a shape
 
@@ -218,11 +254,11 @@ class Body:
                 self.write(code.block(), body, names)
 
     def _repeat(self, code: Code, repeat: ast.Repeat, names: Environment) -> None:
-        """Copies; where rows name the symbols in them, those of each symbol by themselves."""
+        """Copies; where rows of one symbol stand together, those of each symbol by themselves."""
         head, before = repeat.head, self._shape
         shapes: tuple[str | None, ...] = (before,)
         if isinstance(head, ast.Rows) and head.places:
-            shapes = self._namer.shapes(code.unit, head.table) or (None,)
+            shapes = self._namer.runs(code.unit, head.table) or (None,)
         for shape in shapes:
             self._shape = shape
             self._copies(code, repeat, names)
@@ -252,7 +288,7 @@ class Body:
         if found is None:
             raise code.error(rows.span, "unknown-table", f"there is no table `{rows.table}`")
         table, columns, count = found
-        names[rows.variable] = Row(table, columns, copy)
+        names[rows.variable] = Row(table, columns, copy, rows.table)
         return code.number(count)
 
     def _standing(

@@ -22,7 +22,7 @@ from ipmlang.compiler.lower.sampling import context_files
 from ipmlang.compiler.lower.strings import Misplaced, Strings
 from ipmlang.compiler.lower.tables import Tables
 from ipmlang.compiler.ops import OPERATIONS, Operation
-from ipmlang.compiler.places import shapes_of
+from ipmlang.compiler.places import SHAPE, in_runs, shapes_of
 
 SCOPE_FAMILIES = ("scope", "solid", "split")
 Key = tuple[int, str, int]  # the unit that defines it (0: none does), name, arity
@@ -164,11 +164,15 @@ class Lowering:
             self._give(number, *self._meanings.of(record, 0, half))
         return self._numbers[key]
 
-    def shapes(self, unit: Unit, name: str) -> tuple[str, ...]:
-        """The symbols that the rows of a table place."""
-        place = unit.find(name)
-        item = None if place is None else place.unit.grammar.items[place.item]
-        return shapes_of(item) if isinstance(item, ast.Table) else ()
+    def runs(self, unit: Unit, name: str) -> tuple[str, ...]:
+        """The symbols that the rows of a table place, if the rows of each stand together."""
+        found = _table(unit, name)
+        return shapes_of(found[1]) if found is not None and in_runs(found[1]) else ()
+
+    def choices(self, unit: Unit, name: str) -> tuple[tuple[str, ...], int]:
+        """The symbols that the rows of a table place, and a table of which of them each does."""
+        found = _table(unit, name)
+        return ((), 0) if found is None else (shapes_of(found[1]), self._tables.choices(found[0]))
 
     def table(
         self, unit: Unit, name: str, shape: str | None = None
@@ -329,6 +333,15 @@ class Lowering:
             hint = f"and in {more:,} more place{'s' if more > 1 else ''}" if more else None
             errors.append(replace(uses[0], hint=hint))
         raise IpmError(errors)
+
+
+def _table(unit: Unit, name: str) -> tuple[Place, ast.Table] | None:
+    """A table with a column of symbols, and where it is written."""
+    place = unit.find(name)
+    item = None if place is None else place.unit.grammar.items[place.item]
+    if place is None or not isinstance(item, ast.Table) or SHAPE not in item.columns:
+        return None
+    return place, item
 
 
 def _terminal(symbol: ir.Symbol) -> ir.Symbol:

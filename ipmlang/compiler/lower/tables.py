@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from ipmlang.compiler import ast, ir
 from ipmlang.compiler.lower.expr import Code, Known, Pool
 from ipmlang.compiler.lower.names import Place
-from ipmlang.compiler.places import SHAPE, only, without_shapes
+from ipmlang.compiler.places import SHAPE, choices, only, without_shapes
 
 Cell = float | str
 
@@ -41,6 +41,20 @@ class Tables:
             item = place.unit.grammar.items[place.item]
             assert isinstance(item, ast.Table)
             self._placed[key] = self._add(self._table(place, only(item, shape)))
+        return self._placed[key]
+
+    def choices(self, place: Place) -> int:
+        """The number of a table of which symbol each row of a table places."""
+        key = (id(place.unit), place.item, "")
+        if key not in self._placed:
+            item = place.unit.grammar.items[place.item]
+            assert isinstance(item, ast.Table)
+            chosen = choices(item)
+            rows = self._inline(place, chosen)
+            numbers = tuple(tuple(self._number(cell) for cell in row) for row in rows)
+            self._placed[key] = self._add(
+                ir.TableData(item.name, chosen.columns, frozenset(), numbers)
+            )
         return self._placed[key]
 
     def steps(self, lengths: tuple[float, ...]) -> int:

@@ -1,0 +1,244 @@
+"""Copies of many things that no rule explains, as rows of a table whose `r.shape` stands in each.
+
+Takes the bodies of rules as they are printed; where many placements follow each other, each of
+another symbol, another turn or another size, gives a table with a row for each and the loop that
+reads it, wherever that is shorter than the placements or a walk along them. What is drawn, and in
+which order, stays the same. Copies of one thing have their tables from `build`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence, Set
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+from ipmlang.compiler import ast
+from ipmlang.compiler.places import SHAPE
+from ipmlang.inverse.moves import call
+from ipmlang.inverse.naming import Names
+
+ROW = "r"
+LABELS = ("x", "y", "angle", "scale")
+REST = (0.0, 0.0, 0.0, 1.0)
+HEAD = 18  # tokens of `table T(shape, x, y) =` and of `repeat(r in T) { [at(r.x, r.y) r.shape] }`
+LEAST = 20  # tokens that a table saves
+ALONE = 4  # tokens that a placement takes with a table before and behind, for it breaks them
+
+Extra: TypeAlias = "tuple[bool, bool, bool]"  # mirrored; whether rows say an angle, and a scale
+
+
+@dataclass(frozen=True, slots=True)
+class _Copy:
+    """`[at(x, y, angle, scale) mirror A]`."""
+
+    at: tuple[float, float, float, float]
+    mirrored: bool
+    thing: ast.Module
+
+    @property
+    def tokens(self) -> int:
+        """What it takes where it stands alone."""
+        moved = self.at[0] or self.at[1]
+        last = 4 if self.at[3] != 1 else 3 if self.at[2] else 2
+        said = 3 + last + _signs(self.at[:last]) if moved else 4 * (last - 2)
+        inside = said + self.mirrored
+        return 1 + (2 + inside if inside else 0)
+
+    def fits(self, extra: Extra) -> bool:
+        """Whether a table can have it as a row."""
+        mirrored, turned, scaled = extra
+        return (
+            self.mirrored == mirrored
+            and (turned or self.at[2] == 0)
+            and (scaled or self.at[3] == 1)
+        )
+
+    def row_tokens(self, extra: Extra) -> int:
+        """What it takes as a row."""
+        last = 2 + extra[1] + extra[2]
+        return 1 + last + _signs(self.at)
+
+
+TABLES: tuple[Extra, ...] = tuple(
+    (mirrored, turned, scaled)
+    for mirrored in (False, True)
+    for turned in (False, True)
+    for scaled in (False, True)
+)
+
+
+def _signs(values: Sequence[float]) -> int:
+    return sum(value < 0 for value in values)
+
+
+def with_schedules(
+    rules: Sequence[ast.Rule], things: Set[str], names: Names
+) -> tuple[list[ast.Rule], list[ast.Table]]:
+    """The rules, with tables of what stands in them; things: names of symbols, and no others."""
+    tables: list[ast.Table] = []
+    made = []
+    for rule in rules:
+        body = tuple(_scheduled(rule.body, things, names, tables))
+        made.append(replace(rule, body=body))
+    return made, tables
+
+
+def _scheduled(
+    body: tuple[ast.Element, ...], things: Set[str], names: Names, tables: list[ast.Table]
+) -> Iterator[ast.Element]:
+    run: list[tuple[_Copy, ast.Element]] = []
+    for element in body:
+        copy = _copy(element, things)
+        if copy is not None:
+            run.append((copy, element))
+            continue
+        yield from _written(run, names, tables)
+        run = []
+        if isinstance(element, ast.Bracket):
+            inner = tuple(_scheduled(element.body, things, names, tables))
+            yield replace(element, body=inner)
+        else:
+            yield element
+    yield from _written(run, names, tables)
+
+
+def _copy(element: ast.Element, things: Set[str]) -> _Copy | None:
+    """What a table can have as a row."""
+    match element:
+        case ast.Module(name, ()) if name in things:
+            return _Copy(REST, False, element)
+        case ast.Bracket((*moves, ast.Module(name, ()) as thing)) if name in things:
+            mirrored = bool(moves) and moves[-1] == ast.Module("mirror")
+            at = _place(moves[:-1] if mirrored else moves)
+            return None if at is None else _Copy(at, mirrored, thing)
+    return None
+
+
+def _place(moves: Sequence[ast.Element]) -> tuple[float, float, float, float] | None:
+    """Where moves lead that are `at(…)`, or turns and a factor."""
+    at = list(REST)
+    for number, move in enumerate(moves):
+        if not isinstance(move, ast.Module):
+            return None
+        values = [_number(each.value) for each in move.args]
+        known = [value for value in values if value is not None]
+        if len(known) < len(values):
+            return None
+        match move.name, known:
+            case "at", [x, y, *more] if number == 0:
+                at = [x, y, *more, *REST[2 + len(more) :]]
+            case "+" | "-" as sign, [angle] if number == 0:
+                at[2] = angle if sign == "+" else -angle
+            case "*", [factor] if number == len(moves) - 1:
+                at[3] *= factor
+            case _:
+                return None
+    x, y, angle, scale = at
+    return x, y, angle, scale
+
+
+def _number(value: ast.Expr) -> float | None:
+    match value:
+        case ast.Number(number):
+            return number
+        case ast.Unary("-", ast.Number(number)):
+            return -number
+    return None
+
+
+# ------------------------------------------------------------------------- which rows
+
+
+def _written(
+    run: Sequence[tuple[_Copy, ast.Element]], names: Names, tables: list[ast.Table]
+) -> Iterator[ast.Element]:
+    """The run, its tables in place of what they hold."""
+    copies = [copy for copy, _ in run]
+    for start, end, extra in _parts(copies):
+        if extra is None:
+            yield from (element for _, element in run[start:end])
+            continue
+        table, loop = _table(copies[start:end], extra[0], names)
+        tables.append(table)
+        yield loop
+
+
+def _parts(copies: Sequence[_Copy]) -> list[tuple[int, int, Extra | None]]:
+    """Stretches of a run, each with its kind of table, None for placements as they are: the
+    shortest way to say all, step by step.
+    """
+    ways: tuple[Extra | None, ...] = (None, *TABLES)
+    best = [0.0, *(float(HEAD + LEAST) for _ in TABLES)]
+    came: list[list[int]] = []
+    for number, copy in enumerate(copies):
+        before = copies[number - 1] if number else None
+        own = [_cost(copy, before, way) for way in ways]
+        if number:
+            least = min(range(len(ways)), key=lambda way: best[way])
+            enter = [0, *(HEAD + LEAST for _ in TABLES)]
+            onward = [min(best[way], best[least] + enter[way]) for way in range(len(ways))]
+            came.append([way if best[way] <= onward[way] else least for way in range(len(ways))])
+            best = onward
+        best = [cost + more for cost, more in zip(best, own, strict=True)]
+    return _stretches(best, came, ways) if copies else []
+
+
+def _cost(copy: _Copy, before: _Copy | None, way: Extra | None) -> float:
+    if way is not None:
+        return float(copy.row_tokens(way)) if copy.fits(way) else float("inf")
+    if before is not None and _steps(before, copy):
+        return 1.0 + ALONE * (copy.at[0] != before.at[0])
+    return float(copy.tokens)
+
+
+def _steps(here: _Copy, there: _Copy) -> bool:
+    """Whether a walk leads from one to the next."""
+    plain = here.at[2:] == there.at[2:] == REST[2:] and not (here.mirrored or there.mirrored)
+    return plain and here.at[1] == there.at[1] and here.at[0] <= there.at[0]
+
+
+def _stretches(
+    best: Sequence[float], came: Sequence[Sequence[int]], ways: Sequence[Extra | None]
+) -> list[tuple[int, int, Extra | None]]:
+    way = min(range(len(ways)), key=lambda each: best[each])
+    made: list[tuple[int, int, Extra | None]] = []
+    end = len(came) + 1
+    for number in range(len(came), 0, -1):
+        earlier = came[number - 1][way]
+        if earlier != way:
+            made.append((number, end, ways[way]))
+            way, end = earlier, number
+    made.append((0, end, ways[way]))
+    return made[::-1]
+
+
+# -------------------------------------------------------------------------- one table
+
+
+def _table(copies: Sequence[_Copy], mirrored: bool, names: Names) -> tuple[ast.Table, ast.Element]:
+    """A table of copies, and the loop that draws them."""
+    columns = list(zip(*(copy.at for copy in copies), strict=True))
+    varying = [len(set(column)) > 1 for column in columns]
+    last = max((k + 1 for k in range(4) if varying[k] or columns[k][0] != REST[k]), default=0)
+    things = [copy.thing for copy in copies]
+    many = len({thing.name for thing in things}) > 1
+    name = names.give("Places")
+    labels = [SHAPE] * many + [label for label, own in zip(LABELS, varying, strict=True) if own]
+    cells = [[ast.Name(thing.name) for thing in things]] if many else []
+    rows = _rows(cells, [column for column, own in zip(columns, varying, strict=True) if own])
+    moves = [
+        ast.Name(f"{ROW}.{label}") if own else ast.Number(column[0])
+        for label, own, column in zip(LABELS, varying, columns, strict=True)
+    ]
+    body: list[ast.Element] = [call("at", *moves[: max(2, last)])] if last else []
+    body += [ast.Module("mirror")] * mirrored
+    body.append(ast.Module(f"{ROW}.{SHAPE}") if many else things[0])
+    table = ast.Table(name, None, tuple(labels), rows)
+    return table, ast.Repeat(ast.Rows(ROW, name), (ast.Bracket(tuple(body)),))
+
+
+def _rows(
+    names: Sequence[Sequence[ast.Expr]], columns: Sequence[Sequence[float]]
+) -> tuple[tuple[ast.Expr, ...], ...]:
+    numbers = [[ast.Number(value) for value in column] for column in columns]
+    return tuple(zip(*names, *numbers, strict=True))
