@@ -102,7 +102,7 @@ class Attempt:
     write: Callable[[], Written]
     counts: Counts
     tokens: int
-    more: int = 0
+    more: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -146,9 +146,9 @@ def best_grammar(
         ways = ways[:1] if attempts else ways
         memory = Memories(TreeSearch(), {})
         tried = [_searched(goal, way, say, memory) for way in ways]
-        found = min(tried, key=lambda each: each.written.tokens)
+        found = min(tried, key=lambda each: each.written.ruled)
         enough = LEAST_REGULAR if len(observed) > FEW else LEAST_REGULAR / 2
-        irregular = found.written.tokens > enough * flat_tokens and _alike(found.book) >= LEFT
+        irregular = found.written.ruled > enough * flat_tokens and _alike(found.book) >= LEFT
         if irregular and len(observed) <= MOST_SCATTERED and not attempts:
             say("looking for lattices")
             again = [_searched(goal, way, say, memory, True) for way in _ways(goal)]
@@ -159,7 +159,8 @@ def best_grammar(
         if not (found.book.lattices or asked):
             # Few rules among many loose placements may cost more than they save: tables say less.
             tabled = write_grammar(flat_book, replace(plain, use_tables=True))
-            tables = Attempt("tables", lambda: tabled, none, tabled.tokens, ROW * tabled.rows)
+            more = tabled.spared + ROW * tabled.rows
+            tables = Attempt("tables", lambda: tabled, none, tabled.tokens, more)
             attempts.append(tables)
         attempts.sort(key=lambda each: each.tokens + each.more)
         # The paper's pairs, and rows that noise and paint order make long, are what was asked for.
@@ -184,8 +185,8 @@ def _better(found: Found, regular: list[Found], symmetrize: bool) -> Found:
     residuals have few digits, but never for many more tokens; where what is regular is asked for,
     by what rules explain.
     """
-    most = NOISE_TOKENS * found.written.tokens + 40
-    better = [found, *(each for each in regular if each.written.tokens <= most)]
+    most = NOISE_TOKENS * found.written.ruled + 40
+    better = [found, *(each for each in regular if each.written.ruled <= most)]
     elements = len(found.subject.observed)
     ruled = {id(each): _counts(each.book, elements).explained for each in better}
     if symmetrize:
@@ -214,8 +215,8 @@ def _written_out(found: Found, elements: int) -> list[Attempt]:
     book, exact = found.book, replace(found.subject, share=1e-12)
     counts, tokens = _counts(book, elements), found.written.tokens
     return [
-        Attempt("rules", lambda: found.written, counts, tokens),
-        Attempt("rules", lambda: write_grammar(book, exact), counts, tokens),
+        Attempt("rules", lambda: found.written, counts, tokens, found.written.spared),
+        Attempt("rules", lambda: write_grammar(book, exact), counts, tokens, found.written.spared),
     ]
 
 

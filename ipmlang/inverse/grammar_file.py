@@ -51,13 +51,14 @@ SHARE = 1e-8  # of the diagonal: what one rounded number may move a point by
 @dataclass(frozen=True, eq=False)
 class Written:
     """The tree, what prints the parts file, how many cells that file's tables have, and what these
-    weigh, see `weight`.
+    weigh, see `weight`; how many tokens tables of many things spare.
     """
 
     grammar: ast.Grammar
     parts: Callable[[], str]
     table_tokens: int
     table_weight: float
+    spared: float = 0.0
 
     @property
     def tokens(self) -> int:
@@ -65,14 +66,21 @@ class Written:
         return count_text_tokens(self.text) + self.table_tokens
 
     @property
+    def ruled(self) -> float:
+        """Tokens without tables of many things, by which rules compete: such a table is what is
+        left for those that nothing explains, and no reason to explain less.
+        """
+        return self.tokens + self.spared
+
+    @property
     def rows(self) -> int:
-        """Rows of the tables in the text."""
+        """Rows of the tables of one thing in the text."""
         tables = (each for each in self.grammar.items if isinstance(each, ast.Table))
-        return sum(len(each.rows) for each in tables)
+        return sum(len(each.rows) for each in tables if SHAPE not in each.columns)
 
     @property
     def weight(self) -> float:
-        """Tokens, but a number weighs by its digits: what decides between ways to say the same.
+        """As `ruled`, but a number weighs by its digits: what decides between ways to say the same.
 
         Attributes do not count: that a number can be changed by its name is no fault of a rule.
         """
@@ -80,7 +88,7 @@ class Written:
         text = format_grammar(replace(self.grammar, items=said))
         numbers = _NUMBER.findall(_STRING.sub("", text))
         extra = sum(digits_weight(each) - 1 for each in numbers)
-        return count_text_tokens(text) + extra + self.table_weight
+        return count_text_tokens(text) + extra + self.table_weight + self.spared
 
     @cached_property
     def text(self) -> str:
@@ -121,8 +129,9 @@ def write_grammar(book: Book, subject: Subject) -> Written:
     reach = measure(book, radius, subject.share * subject.observed.diagonal)
     builder = Builder(book, reach, named, effects, names, axiom, painted, subject.use_tables)
     rules, placed = join_tables(builder.rules(), builder.tables)
+    spared = 0.0
     if subject.use_tables:
-        rules, listed = with_schedules(rules, frozenset(named.values()), names)
+        rules, listed, spared = with_schedules(rules, frozenset(named.values()), names)
         placed = [*placed, *listed]
     order = _order_table(book, names)
     tables, stored, cells = stored_tables([*placed, *order], subject)
@@ -144,7 +153,7 @@ def write_grammar(book: Book, subject: Subject) -> Written:
         shown = {named[k]: [asset_element(terminals[k], book.assets.get(k))] for k in assets}
         return write_parts(shown, effects=shown_effects, tables=stored)
 
-    return Written(ast.Grammar(tuple(items)), parts, *cells)
+    return Written(ast.Grammar(tuple(items)), parts, *cells, spared)
 
 
 def _order_table(book: Book, names: Names) -> list[ast.Table]:

@@ -9,7 +9,7 @@ which order, stays the same. Copies of one thing have their tables from `build`.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence, Set
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 from ipmlang.compiler import ast
@@ -22,6 +22,7 @@ LABELS = ("x", "y", "angle", "scale")
 REST = (0.0, 0.0, 0.0, 1.0)
 HEAD = 18  # tokens of `table T(shape, x, y) =` and of `repeat(r in T) { [at(r.x, r.y) r.shape] }`
 LEAST = 20  # tokens that a table saves
+MOST = 2 / 3  # of the tokens that the placements take: one reads a walk sooner than a table
 ALONE = 4  # tokens that a placement takes with a table before and behind, for it breaks them
 
 Extra: TypeAlias = "tuple[bool, bool, bool]"  # mirrored; whether rows say an angle, and a scale
@@ -71,20 +72,28 @@ def _signs(values: Sequence[float]) -> int:
     return sum(value < 0 for value in values)
 
 
+@dataclass(slots=True, eq=False)
+class _Listing:
+    """The tables that were made, and about how many tokens they spare."""
+
+    names: Names
+    tables: list[ast.Table] = field(default_factory=list)
+    spared: float = 0.0
+
+
 def with_schedules(
     rules: Sequence[ast.Rule], things: Set[str], names: Names
-) -> tuple[list[ast.Rule], list[ast.Table]]:
-    """The rules, with tables of what stands in them; things: names of symbols, and no others."""
-    tables: list[ast.Table] = []
-    made = []
-    for rule in rules:
-        body = tuple(_scheduled(rule.body, things, names, tables))
-        made.append(replace(rule, body=body))
-    return made, tables
+) -> tuple[list[ast.Rule], list[ast.Table], float]:
+    """The rules, with tables of what stands in them, and about how many tokens these spare; things:
+    names of symbols, and no others.
+    """
+    listing = _Listing(names)
+    made = [replace(rule, body=tuple(_scheduled(rule.body, things, listing))) for rule in rules]
+    return made, listing.tables, listing.spared
 
 
 def _scheduled(
-    body: tuple[ast.Element, ...], things: Set[str], names: Names, tables: list[ast.Table]
+    body: tuple[ast.Element, ...], things: Set[str], listing: _Listing
 ) -> Iterator[ast.Element]:
     run: list[tuple[_Copy, ast.Element]] = []
     for element in body:
@@ -92,14 +101,13 @@ def _scheduled(
         if copy is not None:
             run.append((copy, element))
             continue
-        yield from _written(run, names, tables)
+        yield from _written(run, listing)
         run = []
         if isinstance(element, ast.Bracket):
-            inner = tuple(_scheduled(element.body, things, names, tables))
-            yield replace(element, body=inner)
+            yield replace(element, body=tuple(_scheduled(element.body, things, listing)))
         else:
             yield element
-    yield from _written(run, names, tables)
+    yield from _written(run, listing)
 
 
 def _copy(element: ast.Element, things: Set[str]) -> _Copy | None:
@@ -149,17 +157,19 @@ def _number(value: ast.Expr) -> float | None:
 # ------------------------------------------------------------------------- which rows
 
 
-def _written(
-    run: Sequence[tuple[_Copy, ast.Element]], names: Names, tables: list[ast.Table]
-) -> Iterator[ast.Element]:
+def _written(run: Sequence[tuple[_Copy, ast.Element]], listing: _Listing) -> Iterator[ast.Element]:
     """The run, its tables in place of what they hold."""
     copies = [copy for copy, _ in run]
     for start, end, extra in _parts(copies):
-        if extra is None:
+        before = [None, *copies][start:end]
+        alone = sum(map(_cost, copies[start:end], before, [None] * (end - start)))
+        rows = 0 if extra is None else sum(copy.row_tokens(extra) for copy in copies[start:end])
+        if extra is None or rows + HEAD > MOST * alone:
             yield from (element for _, element in run[start:end])
             continue
-        table, loop = _table(copies[start:end], extra[0], names)
-        tables.append(table)
+        table, loop = _table(copies[start:end], extra[0], listing.names)
+        listing.tables.append(table)
+        listing.spared += alone - rows - HEAD
         yield loop
 
 

@@ -48,7 +48,7 @@ class Site:
 
 def sites(grammar: ast.Grammar, folder: Path) -> list[Site]:
     """All sites of a grammar, whose parts lie in a folder, with what is derived below them."""
-    found = []
+    grammar, found = _spread(grammar), []
     for marks, scene, order in _passes(grammar, folder):
         for k, mark in enumerate(marks):
             below = drawing_of(_taken(scene, (order >> k) & 1 == 1))
@@ -58,7 +58,7 @@ def sites(grammar: ast.Grammar, folder: Path) -> list[Site]:
 
 def ruled_share(grammar: ast.Grammar, folder: Path) -> float:
     """The share of the terminals under a repetition or a rule that is used twice or more."""
-    ruled = np.zeros(0, np.bool_)
+    ruled, grammar = np.zeros(0, np.bool_), _spread(grammar)
     for marks, _, order in _passes(grammar, folder):
         bits = sum(1 << k for k, mark in enumerate(marks) if mark.repeats or mark.shared)
         here = (order & bits) != 0
@@ -72,6 +72,57 @@ def boxes_of(drawing: Drawing) -> Floats:
     if not outlines:
         return np.zeros((0, 4))
     return bounding_boxes(stack(outlines), np.arange(len(outlines)))
+
+
+# ------------------------------------------------------------- tables of many things
+
+
+def _spread(grammar: ast.Grammar) -> ast.Grammar:
+    """The grammar with loops over tables that name symbols written out, row by row, so that each
+    symbol is named where it stands.
+    """
+    tables = {each.name: each for each in grammar.items if isinstance(each, ast.Table)}
+
+    def spread(body: Elements) -> Elements:
+        made: list[ast.Element] = []
+        for element in body:
+            changed = _inside(element, spread)
+            match changed:
+                case ast.Repeat(ast.Rows(row, name)) if f"{row}.shape" in _names(changed):
+                    cells = (
+                        dict(zip(tables[name].columns, r, strict=True)) for r in tables[name].rows
+                    )
+                    for each in cells:
+                        made += _read(changed.body, {f"{row}.{key}": v for key, v in each.items()})
+                case _:
+                    made.append(changed)
+        return tuple(made)
+
+    def item(given: ast.Item) -> ast.Item:
+        return replace(given, body=spread(given.body)) if isinstance(given, ast.Rule) else given
+
+    return replace(grammar, items=tuple(item(each) for each in grammar.items))
+
+
+def _read(body: Elements, cells: dict[str, ast.Expr]) -> Elements:
+    """Elements with the cells of a row in place of what reads them."""
+    made: list[ast.Element] = []
+    for element in body:
+        if isinstance(element, ast.Bracket):
+            element = replace(element, body=_read(element.body, cells))
+        elif isinstance(element, ast.Module):
+            named = cells.get(element.name)
+            name = named.id if isinstance(named, ast.Name) else element.name
+            values = [
+                cells.get(each.value.id, each.value)
+                if isinstance(each.value, ast.Name)
+                else each.value
+                for each in element.args
+            ]
+            args = [replace(each, value=v) for each, v in zip(element.args, values, strict=True)]
+            element = replace(element, name=name, args=tuple(args))
+        made.append(element)
+    return tuple(made)
 
 
 # ------------------------------------------------------------------ what there is

@@ -30,7 +30,7 @@ def scheduled(body: str) -> tuple[str, list[ast.Table]]:
     grammar, problems = parse(Source("<text>", f"R --> {body}"))
     assert not problems
     rules = [item for item in grammar.items if isinstance(item, ast.Rule)]
-    made, tables = with_schedules(rules, THINGS, Names())
+    made, tables, _ = with_schedules(rules, THINGS, Names())
     words = format_grammar(ast.Grammar(tuple(made))).split()
     return " ".join(words[2:]), tables
 
@@ -64,7 +64,7 @@ def test_other_placements_stay(placed: str) -> None:
 
 def test_turned_mirrored_and_strange_ones_break_no_order() -> None:
     """The same things at the same places, one after the other."""
-    placed = " ".join(f"[at({x}, {y}, {10 * x}) {thing}]" for x, y, thing in PLACES)
+    placed = " ".join(f"[at({x}, {y}, {10 * x}) {thing}]" for x, y, thing in 2 * PLACES)
     plain = f"{placed} [- mirror B] [at(3, 1) f A] {placed} [+(20) *(3) C] A"
     body, tables = scheduled(plain)
     assert len(tables) == 2 and "[- mirror B] [at(3, 1) f A] repeat" in body
