@@ -6,15 +6,17 @@ hold. Numbers get as many digits as they need and no more. Nothing here decides 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
 from ipmlang.compiler import ast
 from ipmlang.inverse.lattices.formula import Formula
 from ipmlang.inverse.lattices.printing import PLAIN, Handles, printed, whole
-from ipmlang.inverse.lsystem.frames import Frames
+from ipmlang.inverse.lsystem.frames import Frames, Row
 from ipmlang.inverse.moves import call, even_place, polar_place, turns, turtle_step
 from ipmlang.inverse.naming import Names
 from ipmlang.inverse.numbers import ROOM, linear, number, settled, shortest
@@ -40,7 +42,7 @@ class Painted:
     css: str
 
 
-@dataclass(slots=True, eq=False)
+@dataclass(eq=False)
 class Builder:
     """Prints one book. names: of every terminal, group and family; effects: the reference of each
     group's effect; axiom: the name of the start rule; painted: terminals that are drawn by another
@@ -117,7 +119,7 @@ class Builder:
 
     # ---------------------------------------------------------------- placements
 
-    def placed(self, rule: int, part: int, place: Frames, alone: bool) -> Iterator[ast.Element]:
+    def placed(self, rule: int, part: int, place: Row, alone: bool) -> Iterator[ast.Element]:
         """`[at(x, y, angle, scale) mirror A]`, without what is not needed."""
         moves = self._moves(rule, part, place)
         if part in self._inlined:
@@ -149,11 +151,10 @@ class Builder:
             return ast.Module(self.names[family], (count,))
         return ast.Module(self.names[family])
 
-    def _moves(self, rule: int, part: int, place: Frames) -> tuple[ast.Element, ...]:
-        errors = self._errors(rule, part, float(place.scale[0]))
-        x, y = (settled(float(each[0]), errors[0]) for each in (place.x, place.y))
-        angle = settled(float(place.angle[0]), errors[1])
-        scale = settled(float(place.scale[0]), errors[2], 1.0)
+    def _moves(self, rule: int, part: int, place: Row) -> tuple[ast.Element, ...]:
+        errors = self._errors(rule, part, place[3])
+        x, y = (settled(each, errors[0]) for each in place[:2])
+        angle, scale = settled(place[2], errors[1]), settled(place[3], errors[2], 1.0)
         made: list[ast.Element] = []
         if x or y:
             numbers = [x, y] + ([angle] if angle or scale != 1 else [])
@@ -161,7 +162,7 @@ class Builder:
             made.append(call("at", *(number(each) for each in numbers)))
         else:
             made += turns(angle, scale)
-        if place.handedness[0] < 0:
+        if place[4] < 0:
             made.append(ast.Module("mirror"))
         return tuple(made)
 
@@ -169,14 +170,14 @@ class Builder:
         """What positions, angles and factors of a place may be off."""
         size = self.reach.error / max(self.reach.gain.get(rule, 1.0), 1e-12)
         arm = max(self.reach.radius[part], size)
-        return size, min(1e-4, float(np.rad2deg(size / (scale * arm)))), min(1e-6, size / arm)
+        return size, min(1e-4, math.degrees(size / (scale * arm))), min(1e-6, size / arm)
 
     # ---------------------------------------------------------------------- runs
 
     def _run(self, rule: int, parts: list[int], places: Frames) -> Iterator[ast.Element]:
         """Placements in paint order, long runs of one symbol as tables."""
         start, alone = 0, len(parts) == 1
-        body = Body(np.array(parts, np.int64), places)
+        body, rows = Body(np.array(parts, np.int64), places), places.rows()
         while start < len(parts):
             taper = taper_at(self.book, body, start, 30 * self.book.small)
             if taper is not None:
@@ -184,16 +185,16 @@ class Builder:
                 start += taper.rows
                 continue
             end = start + 1
-            asset, hand = self._asset(parts[start]), places.handedness[start]
+            asset, hand = self._asset(parts[start]), rows[start][4]
             while end < len(parts) and self._asset(parts[end]) == asset:
-                if places.handedness[end] != hand:
+                if rows[end][4] != hand:
                     break
                 end += 1
             if self.use_tables and end - start >= TABLE_ROWS:
                 yield self._table(rule, parts[start:end], places[start:end])
             else:
                 for row in range(start, end):
-                    yield from self.placed(rule, parts[row], places[row : row + 1], alone)
+                    yield from self.placed(rule, parts[row], rows[row], alone)
             start = end
 
     def _tapered(self, rule: int, parts: list[int], taper: Taper) -> ast.Element:
@@ -281,10 +282,17 @@ class Builder:
 
     def _sizes(self, family: int) -> list[int]:
         """The counts with which a sequence is used."""
+        return self._used_counts.get(family, [])
+
+    @cached_property
+    def _used_counts(self) -> dict[int, list[int]]:
+        """The same of every family; nothing in the book changes while it is printed."""
         parts = {part for body in self.book.bodies.values() for part in body.parts.tolist()}
-        parts |= set(self.book.repeated())
-        own = {self.book.count[part] for part in parts if self.book.family.get(part) == family}
-        return sorted(own)
+        counts: dict[int, set[int]] = {}
+        for part in parts | set(self.book.repeated()):
+            if part in self.book.family:
+                counts.setdefault(self.book.family[part], set()).add(self.book.count[part])
+        return {family: sorted(own) for family, own in counts.items()}
 
     def _loop_rule(self, family: int) -> ast.Rule:
         parameters = (ast.Parameter("n"),) if self._parametric(family) else ()
@@ -342,7 +350,7 @@ class Builder:
 
     def _copy(self, family: int, loop: Loop, variable: str) -> tuple[ast.Element, ...]:
         """What is repeated, in the frame that the pattern gives it."""
-        moves = self._moves(family, loop.part, loop.pattern.inside)
+        moves = self._moves(family, loop.part, loop.pattern.inside.rows()[0])
         inner = self.book.family.get(loop.part)
         if inner is not None and inner in self._nested:
             return (*moves, self._loop(inner, VARIABLES[VARIABLES.index(variable) + 1]))

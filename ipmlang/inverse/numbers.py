@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from ipmlang.compiler import ast
 
+PLACES = 16  # decimal places that are tried are fewer
 ROOM = 8.0  # how many times the error a value may be off that is left out
 
 
@@ -17,11 +18,21 @@ def shortest(value: float, error: float) -> float:
     >>> shortest(12.999999999, 1e-6), shortest(0.3333333, 1e-4), shortest(-0.0, 0.1)
     (13.0, 0.3333, 0.0)
     """
-    for places in range(16):
+    if error == 0:
+        return value + 0.0
+    best = round(value, 0)
+    if abs(best - value) <= error:
+        return best + 0.0
+    # A decimal that is near enough is one with more places, too: halve the places that may be it.
+    best, least, most = value, 1, PLACES
+    while least < most:
+        places = (least + most) // 2
         rounded = round(value, places)
         if abs(rounded - value) <= error:
-            return rounded + 0.0
-    return value
+            best, most = rounded, places
+        else:
+            least = places + 1
+    return best + 0.0
 
 
 def settled(value: float, error: float, neutral: float = 0.0) -> float:

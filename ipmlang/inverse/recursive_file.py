@@ -205,7 +205,7 @@ class _Others:
 
     def placed(self, rows: range) -> Iterator[ast.Element]:
         """Placements of these rows."""
-        for row in rows:
-            part = int(self.string.symbol[row])
-            place = self.string.placed[row : row + 1]
+        own = slice(rows.start, rows.stop)
+        parts, places = self.string.symbol[own].tolist(), self.string.placed[own].rows()
+        for part, place in zip(parts, places, strict=True):
             yield from self.builder.placed(AXIOM, part, place, alone=False)

@@ -236,12 +236,11 @@ def _merge_single(book: Book) -> None:
         del book.bodies[rule]
 
 
-def _inline(book: Book, rule: int) -> None:
-    """Replace a group by its members in all bodies; loops keep naming it."""
+def _inline(book: Book, rule: int, users: list[int]) -> None:
+    """Replace a group by its members in the bodies that name it; loops keep naming it."""
     inner = book.bodies[rule]
-    for name, body in book.bodies.items():
-        if name != rule and (body.parts == rule).any():
-            _spread(book, name, lambda part: inner if part == rule else None)
+    for name in users:
+        _spread(book, name, lambda part: inner if part == rule else None)
     if rule not in book.repeated():
         del book.bodies[rule]
 
@@ -249,65 +248,68 @@ def _inline(book: Book, rule: int) -> None:
 def _spread(book: Book, name: int, inner: Callable[[int], Body | None]) -> None:
     """Write members in place of the parts for which `inner` gives a body."""
     body = book.bodies[name]
-    parts: list[Integers] = []
-    places: list[Frames] = []
-    for index, part in enumerate(body.parts.tolist()):
-        outer = body.places[index : index + 1]
-        group = inner(part)
-        if group is None:
-            group = Body(np.array([part], np.int64), identity(1))
-        parts.append(group.parts)
-        places.append(compose(outer, group.places))
+    known = {part: inner(part) for part in dict.fromkeys(body.parts.tolist())}
+    groups = {part: group for part, group in known.items() if group is not None}
+    counts = np.ones(len(body.parts), np.int64)
+    for part, group in groups.items():
+        counts[body.parts == part] = len(group.parts)
+    first, row = np.cumsum(counts) - counts, np.repeat(np.arange(len(counts)), counts)
+    parts, places = body.parts[row], body.places[row]
+    ranks = book.ranks[row] if name == AXIOM else np.zeros(len(row), np.int64)
+    for part, group in groups.items():
+        own = np.flatnonzero(body.parts == part)
+        there = first[own][:, None] + np.arange(len(group.parts))
+        parts[there] = group.parts
+        places = replaced(places, there, compose(body.places[own][:, None], group.places))
+        ranks[there] += np.cumsum(book.extent[group.parts]) - book.extent[group.parts]
     if name == AXIOM:
-        book.ranks = _spread_ranks(book, parts)
-    book.bodies[name] = Body(np.concatenate(parts), join(places))
-
-
-def _spread_ranks(book: Book, parts: list[Integers]) -> Integers:
-    """Ranks of the axiom's rows, each of which has become several."""
-    made = []
-    for rank, inner in zip(book.ranks.tolist(), parts, strict=True):
-        before = np.cumsum(book.extent[inner]) - book.extent[inner]
-        made.append(rank + before)
-    return np.concatenate(made)
+        book.ranks = ranks
+    book.bodies[name] = Body(parts, places)
 
 
 def _drop_poor(book: Book) -> bool:
     """Write out the groups whose rules cost more than they save, the worst first, as long as none
     is changed by another one's end; whether there was one.
     """
-    used = book.uses()
+    used, users = book.uses(), _users(book)
     costs = {
         rule: cost
         for rule in book.bodies.keys() - book.effects.keys()
-        if rule != AXIOM and (cost := _excess(book, rule, used)) is not None and cost > -LEAST
+        if rule != AXIOM
+        and (cost := _excess(book, rule, used, users.get(rule, []))) is not None
+        and cost > -LEAST
     }
     touched: set[int] = set()
     for rule in sorted(costs, key=lambda each: (-costs[each], each)):
-        users = {name for name, body in book.bodies.items() if (body.parts == rule).any()}
-        parts = set(book.bodies[rule].parts.tolist())
         if rule in touched:
             continue
-        touched |= users | parts | {rule}
-        _inline(book, rule)
+        touched |= {rule, *users.get(rule, []), *book.bodies[rule].parts.tolist()}
+        _inline(book, rule, users.get(rule, []))
     if costs:
         book.drop_unused()
     return bool(costs)
 
 
-def _excess(book: Book, rule: int, used: Counter[int]) -> int | None:
+def _users(book: Book) -> dict[int, list[int]]:
+    """The bodies that name each symbol."""
+    found: dict[int, list[int]] = {}
+    for name, body in book.bodies.items():
+        for part in dict.fromkeys(body.parts.tolist()):
+            found.setdefault(part, []).append(name)
+    return found
+
+
+def _excess(book: Book, rule: int, used: Counter[int], users: list[int]) -> int | None:
     """Tokens that a group's rule adds (negative: saves); None where a loop needs it."""
     if rule in book.repeated():
         return None
     inner = book.bodies[rule]
+    bodies = [book.bodies[name] for name in users]
+    places = join([body.places[body.parts == rule] for body in bodies])
+    every = compose(places[:, None], inner.places)
     with_rule = HEAD + int(placement_tokens(inner.places, book.small).sum())
-    without = 0
-    for name, body in book.bodies.items():
-        rows = np.flatnonzero(body.parts == rule)
-        if name != rule and len(rows):
-            with_rule += int(placement_tokens(body.places[rows], book.small).sum())
-            every = compose(body.places[rows][:, None], inner.places)
-            without += int(placement_tokens(every, book.small).sum())
+    with_rule += int(placement_tokens(places, book.small).sum())
+    without = int(placement_tokens(every, book.small).sum())
     counted = sum(COUNTED for part in inner.parts.tolist() if part in book.family)
     return with_rule - without - counted * (used[rule] - 1)
 
@@ -340,8 +342,11 @@ def regauge(book: Book, rule: int, change: Frames) -> None:
 
 def naming(book: Book, body: Body, rule: int) -> NDArray[np.bool_]:
     """(n,) which members of a body name a rule or terminal."""
-    named = [book.family.get(part, part) == rule for part in body.parts.tolist()]
-    return np.array(named, np.bool_)
+    members = [part for part, own in book.family.items() if own == rule]
+    rows = np.zeros(len(body.parts), np.bool_)
+    for part in members if rule in book.family else [rule, *members]:
+        rows |= body.parts == part
+    return rows
 
 
 def in_loop(book: Book, rule: int) -> bool:

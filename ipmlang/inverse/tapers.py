@@ -40,6 +40,8 @@ class Taper:
 
 def taper_at(book: Book, body: Body, start: int, near: float, least: int = LEAST) -> Taper | None:
     """The longest taper that begins with a member of a body; near: units, what rows may be off."""
+    if int(body.parts[start]) not in book.family:
+        return None
     parts = body.parts[start:].tolist()
     end = _even_counts(book, parts)
     if end < least:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ipmlang.inverse.lsystem.frames import (
     Frames,
@@ -65,12 +66,18 @@ def _place_simply(book: Book, alphabet: Alphabet, every: bool) -> None:
 
 def simplest_of(places: Frames, group: Frames, free: bool, small: float) -> Frames:
     """(n,) for each place the equivalent one that takes fewest tokens; the given one on a tie."""
-    if free:
-        return frames(places.position, 0.0, places.scale)
-    every = compose(places[:, None], group)
-    cost = placement_tokens(every, small)
-    best = np.argmin(cost, axis=1)
+    every = _equivalent(places, group, free)
+    best = np.argmin(placement_tokens(every, small), axis=1)
     return every[np.arange(len(places)), best]
+
+
+def _equivalent(places: Frames, group: Frames, free: bool) -> Frames:
+    """(..., k) the frames at which a symbol looks as it does at places (...); of those that any
+    turn keeps the plain one.
+    """
+    if free:
+        return frames(places.position, 0.0, places.scale)[..., None]
+    return compose(places[..., None], group)
 
 
 # ------------------------------------------------------------------------ rules
@@ -121,11 +128,11 @@ def _turn_rule(book: Book, alphabet: Alphabet, rule: int) -> None:
     turns = [back[first[k] : first[k] + 1] for k in order.tolist()]
     if rule in book.loops:
         turns = [turn for turn in turns if _turnable(book, alphabet, rule, turn)]
-    options = [identity(1), *turns]
-    costs = [_cost(book, alphabet, rule, uses, option) for option in options]
+    options = join([identity(1), *turns])
+    costs = _costs(book, alphabet, rule, uses, options)
     best = int(np.argmin(costs))
     if costs[best] < costs[0]:
-        _turn(book, rule, options[best])
+        _turn(book, rule, options[best : best + 1])
 
 
 def _turn_terminals(book: Book, alphabet: Alphabet) -> None:
@@ -164,23 +171,31 @@ def settle_terminals(book: Book, alphabet: Alphabet) -> None:
         body.places = replaced(body.places, rows, identity(len(rows)))
 
 
-def _cost(book: Book, alphabet: Alphabet, rule: int, uses: Frames, change: Frames) -> int:
-    """Tokens of all uses and of the rule itself after a change of its frame."""
-    total = int(placement_tokens(compose(uses, change), book.small).sum())
+def _costs(
+    book: Book, alphabet: Alphabet, rule: int, uses: Frames, changes: Frames
+) -> NDArray[np.int64]:
+    """(k,) tokens of all uses and of the rule itself after each change of its frame."""
+    every = placement_tokens(compose(uses, changes[:, None]), book.small)
+    totals: NDArray[np.int64] = every.sum(axis=1)
     if rule in book.loops:
-        step = _turned(book.loops[rule].pattern, change).base
-        return total + sum(1 + (each < 0) for each in step[:2] if abs(each) > book.small)
+        pattern = book.loops[rule].pattern
+        for k in range(len(changes)):
+            step = _turned(pattern, changes[k : k + 1]).base
+            totals[k] += sum(1 + (each < 0) for each in step[:2] if abs(each) > book.small)
+        return totals
     body = book.bodies[rule]
-    places = compose(inverse(change), body.places)
+    places = compose(inverse(changes)[:, None], body.places)
+    plain = np.ones(len(body.parts), np.bool_)
     for part in np.unique(body.parts).tolist():
-        rows = np.flatnonzero(body.parts == part)
-        if alphabet[part].terminal and part not in book.assets:
-            group = alphabet[part].stabiliser
-            better = simplest_of(places[rows], group, alphabet[part].free, book.small)
-            total += int(placement_tokens(better, book.small).sum())
-        else:
-            total += int(placement_tokens(places[rows], book.small).sum())
-    return total
+        group = alphabet[part].stabiliser
+        several = alphabet[part].free or len(group) > 1
+        if several and alphabet[part].terminal and part not in book.assets:
+            own = body.parts == part
+            plain &= ~own
+            equal = _equivalent(places[:, own], group, alphabet[part].free)
+            totals += placement_tokens(equal, book.small).min(axis=-1).sum(axis=-1)
+    totals += placement_tokens(places[:, plain], book.small).sum(axis=-1)
+    return totals
 
 
 def _turn(book: Book, rule: int, change: Frames) -> None:

@@ -325,15 +325,17 @@ def _rounded(
     formula: Formula, node: Integers, chosen: Frames, radius: float, tolerance: float
 ) -> Formula:
     """The same with as few decimals as cost next to nothing in precision: steps before places."""
-
-    def gap(made: Formula) -> Floats:
-        return _gap(made, node, chosen, radius)
-
+    gap = _gap(formula, node, chosen, radius)
     for rounding in (_round_moves, _round_polar, _round_changes, _round_inside, _round_lead):
-        room = np.maximum(tolerance / 8, (1 + SHARE) * gap(formula))
-        tried = (rounding(formula, digits) for digits in range(9))
-        fits = (made for made in tried if (gap(made) <= room).all())
-        formula = next(fits, formula)
+        room = np.maximum(tolerance / 8, (1 + SHARE) * gap)
+        for digits in range(9):
+            made = rounding(formula, digits)
+            if made is formula:
+                break
+            off = _gap(made, node, chosen, radius)
+            if (off <= room).all():
+                formula, gap = made, off
+                break
     return formula
 
 

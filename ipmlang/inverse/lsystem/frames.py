@@ -8,6 +8,7 @@ quarter turns are exact. Nothing here knows shapes, drawings or grammars.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import EllipsisType
 from typing import TypeAlias
 
 import numpy as np
@@ -16,7 +17,9 @@ from numpy.typing import NDArray
 Floats: TypeAlias = NDArray[np.float64]
 Complexes: TypeAlias = NDArray[np.complex128]
 Rows: TypeAlias = NDArray[np.integer] | NDArray[np.bool_]
-Index: TypeAlias = int | slice | Rows | tuple[int | slice | Rows | None, ...]
+Index: TypeAlias = int | slice | Rows | tuple[int | slice | Rows | EllipsisType | None, ...]
+
+Row: TypeAlias = tuple[float, float, float, float, int]  # x, y, angle, scale, handedness
 
 QUARTERS = np.array([1, 1j, -1, -1j])  # the powers of i
 
@@ -52,10 +55,15 @@ class Frames:
             self.handedness.ravel(),
         )  # fmt: skip
 
+    def rows(self) -> list[Row]:
+        """Each row by itself, for what is written down one by one."""
+        columns = (self.x, self.y, self.angle, self.scale, self.handedness)
+        return list(zip(*(each.tolist() for each in columns), strict=True))
+
     @property
     def position(self) -> Complexes:
         """x + iy."""
-        return self.x + 1j * self.y
+        return _complex(self.x, self.y)
 
     @property
     def factor(self) -> Complexes:
@@ -124,9 +132,12 @@ def compose(outer: Frames, inner: Frames) -> Frames:
     >>> float(both.y[0]), float(both.angle[0])
     (3.0, 180.0)
     """
-    return frames(
-        apply(outer, inner.position),
-        outer.angle + outer.handedness * inner.angle,
+    # The columns of `frames(apply(outer, inner.position), …)`, without a copy of each.
+    at = outer.factor * _complex(inner.x * outer.handedness, inner.y)
+    return Frames(
+        at.real + outer.x,
+        at.imag + outer.y,
+        wrap(outer.angle + outer.handedness * inner.angle),
         outer.scale * inner.scale,
         outer.handedness * inner.handedness,
     )
@@ -136,9 +147,8 @@ def inverse(given: Frames) -> Frames:
     """The frames that undo `given`."""
     angle = -given.handedness * given.angle
     back = unit(angle) / given.scale
-    return frames(
-        -back * mirrored(given.position, given.handedness), angle, 1 / given.scale, given.handedness
-    )
+    at = -back * _complex(given.x * given.handedness, given.y)
+    return Frames(at.real.copy(), at.imag.copy(), wrap(angle), 1 / given.scale, given.handedness)
 
 
 def apply(given: Frames, points: Complexes | complex) -> Complexes:
@@ -148,7 +158,14 @@ def apply(given: Frames, points: Complexes | complex) -> Complexes:
 
 def mirrored(points: Complexes | complex, handedness: NDArray[np.int8]) -> Complexes:
     """Points with local x flipped where the handedness is -1."""
-    return np.asarray(points.real * handedness + 1j * points.imag, np.complex128)
+    return _complex(np.asarray(points.real * handedness), points.imag)
+
+
+def _complex(real: Floats, imaginary: Floats | float) -> Complexes:
+    """Complex numbers of parts, which takes half as long as multiplying by i."""
+    made = np.empty(real.shape, np.complex128)
+    made.real, made.imag = real, imaginary
+    return made
 
 
 def unit(angle: Floats) -> Complexes:
@@ -157,10 +174,13 @@ def unit(angle: Floats) -> Complexes:
     >>> complex(unit(np.array(-270.0)))
     1j
     """
-    quarter = np.rint(np.asarray(angle, np.float64) / 90.0)
-    rest = np.deg2rad(angle - 90.0 * quarter)
-    powers = QUARTERS[quarter.astype(np.int64) % 4]
-    return powers * (np.cos(rest) + 1j * np.sin(rest))
+    turn = np.asarray(angle, np.float64)
+    quarter = np.rint(turn / 90.0)
+    rest = np.deg2rad(turn - 90.0 * quarter)
+    made = np.empty(rest.shape, np.complex128)
+    made.real, made.imag = np.cos(rest), np.sin(rest)
+    made *= QUARTERS[quarter.astype(np.int64) & 3]
+    return made
 
 
 def wrap(angle: Floats) -> Floats:
