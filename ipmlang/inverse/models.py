@@ -7,6 +7,7 @@ schemes are tried. Nothing is written.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -55,7 +56,8 @@ Up = Literal["auto", "y", "z"]
 @dataclass(frozen=True, slots=True, eq=False)
 class _Goal:
     """What is to be given back. limit: share of the diagonal that it may be off; axiom: a wish;
-    said: what was printed already.
+    most: tokens of one placement per part, which no grammar may be longer than; said: what was
+    printed already.
     """
 
     parts: Parts
@@ -63,6 +65,7 @@ class _Goal:
     limit: float
     stem: str
     axiom: str
+    most: int = sys.maxsize
     said: dict[tuple[Scheme, float, bool], _Said] = field(default_factory=dict)
 
 
@@ -76,17 +79,21 @@ def grammar_of_model(
     say(f"looking for rules among {len(parts.shape)} components")
     goal = _Goal(parts, source, limit, stem, capital(word(path.stem)) or "Building")
     plain = flat(parts)
-    tokens_flat = _tokens(_grammar(goal, _said(goal, plain, ROUNDINGS[0], one_by_one=True), ".obj"))
+    singly = _grammar(goal, _said(goal, plain, ROUNDINGS[0], one_by_one=True), ".obj")
+    goal = replace(goal, most=_tokens(singly))
     schemes = iter([plain]) if is_flat else _searched(goal, plain, options)
     say("comparing with the model")
     for scheme in schemes:
         for rounding in ROUNDINGS:
             grammar, file = _written(goal, scheme, rounding, is_flat)
             text = format_grammar(grammar)
+            if scheme is not plain and count_text_tokens(text) > goal.most:
+                break
             difference = prove(source, text, file, stem, limit * parts.diagonal)
             if difference.none:
-                report = _report(goal, scheme, difference, options)
-                report = replace(report, tokens_flat=tokens_flat)
+                told = _said(goal, scheme, rounding, is_flat).rules
+                report = _report(goal, scheme, difference, options, told)
+                report = replace(report, tokens_flat=goal.most)
                 return Found(grammar, file.content, file.suffix, report)
             if difference.error > (1 + HOPE * rounding) * limit * parts.diagonal:
                 break
@@ -190,10 +197,13 @@ def _check_parts(path: Path, parts: Parts) -> None:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Said:
-    """A scheme as items of a grammar, with the meshes of its terminals by name."""
+    """A scheme as items of a grammar, with the meshes of its terminals by name; rules: how many
+    there are besides the axiom's.
+    """
 
     items: tuple[ast.Item, ...]
     terminals: dict[str, Mesh]
+    rules: int
 
 
 def _said(goal: _Goal, scheme: Scheme, rounding: float, one_by_one: bool) -> _Said:
@@ -211,13 +221,21 @@ def _newly_said(goal: _Goal, scheme: Scheme, rounding: float, one_by_one: bool) 
         scheme, homes = at_home(scheme, NOTHING * parts.diagonal)
         scheme = without_wraps(scheme, NOTHING * parts.diagonal)
     scheme = replace(scheme, frame=compose(_askew(parts.turn), scheme.frame))
-    printed = print_scheme(scheme, goal.axiom, Precision(room * parts.diagonal), one_by_one)
-    terminals = {
-        printed.names[number]: _at_home(parts.classes[symbol.part].mesh, homes.get(number))
+    meshes = {
+        number: _at_home(parts.classes[symbol.part].mesh, homes.get(number))
         for number, symbol in enumerate(scheme.symbols)
         if isinstance(symbol, Terminal)
     }
-    return _Said(printed.items, terminals)
+
+    def said(lift: bool) -> _Said:
+        precision = Precision(room * parts.diagonal)
+        printed = print_scheme(scheme, goal.axiom, precision, one_by_one, lift)
+        terminals = {printed.names[number]: mesh for number, mesh in meshes.items()}
+        return _Said(printed.items, terminals, printed.rules)
+
+    with_counts = said(lift=True)
+    longer = _tokens(_grammar(goal, with_counts, ".obj")) > goal.most
+    return said(lift=False) if longer else with_counts
 
 
 def _askew(degrees: float) -> Frames:
@@ -250,8 +268,10 @@ def _grammar(goal: _Goal, said: _Said, suffix: str) -> ast.Grammar:
     return ast.Grammar((*items, *said.items))
 
 
-def _report(goal: _Goal, scheme: Scheme, difference: Difference, options: Options) -> Report:
-    """The report without what is counted in the text."""
+def _report(
+    goal: _Goal, scheme: Scheme, difference: Difference, options: Options, told: int
+) -> Report:
+    """The report without what is counted in the text; told: rules that are."""
     from ipmlang.inverse.parts.scaling import as_one
     from ipmlang.inverse.split.separating import used_likenesses
 
@@ -261,8 +281,8 @@ def _report(goal: _Goal, scheme: Scheme, difference: Difference, options: Option
         method="split",
         elements=len(parts.shape),
         explained=counts.explained,
-        rules=counts.rules,
-        rules_twice=counts.twice,
+        rules=told,
+        rules_twice=min(counts.twice, told),
         max_error=difference.error / parts.diagonal,
         tokens=0,
         tokens_flat=0,

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from ipmlang.inverse.naming import Names
 from ipmlang.inverse.split.expansion import placements
 from ipmlang.inverse.split.measuring import in_cells, needing_size, reaches
 from ipmlang.inverse.split.placing import Precision, spots, steps_to
+from ipmlang.inverse.split.printing.inlining import inlined
 from ipmlang.inverse.split.printing.items import Wording, copies_of, item_elements
 from ipmlang.inverse.split.printing.lifting import lifted
 from ipmlang.inverse.split.printing.naming import symbol_names
@@ -27,28 +29,37 @@ from ipmlang.inverse.split.wording import bracket, call
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Printed:
-    """items: of the grammar but its version, assets and axes; names: of the symbols."""
+    """items: of the grammar but its version, assets and axes; names: of the symbols; rules: how
+    many there are besides the axiom's.
+    """
 
     items: tuple[ast.Item, ...]
     names: tuple[str, ...]
+    rules: int
 
 
 def print_scheme(
-    scheme: Scheme, axiom: str, precision: Precision, one_by_one: bool = False
+    scheme: Scheme,
+    axiom: str,
+    precision: Precision,
+    one_by_one: bool = False,
+    lift: bool = True,
 ) -> Printed:
     """The grammar of a scheme; axiom: what the whole is called, as a wish; one_by_one: without
-    tables, every placement written out.
+    tables, every placement written out; lift: counts become attributes.
     """
     given = Names()
-    names = symbol_names(scheme, axiom, given)
+    unnamed = frozenset() if one_by_one else inlined(scheme, precision.length)
+    names = symbol_names(scheme, axiom, given, unnamed)
     wording = make_wording(scheme, names, precision, given)
     wording.one_by_one = one_by_one
-    attributes = () if one_by_one else _lift(wording)
-    rules = [_rule(wording, number) for number in top_down(scheme)]
+    wording.bodies = {number: partial(rule_body, wording, number) for number in unnamed}
+    attributes = () if one_by_one or not lift else _lift(wording)
+    rules = [_rule(wording, number) for number in top_down(scheme) if number not in unnamed]
     items: list[ast.Item] = [*attributes, *wording.tables]
     items += [_spaced(rule, first=k == 0) for k, rule in enumerate(rules)]
     items.append(_start(wording))
-    return Printed(tuple(items), names)
+    return Printed(tuple(items), names, len(rules) - 1)
 
 
 def _lift(wording: Wording) -> tuple[ast.Attr, ...]:

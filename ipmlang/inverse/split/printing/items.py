@@ -8,7 +8,7 @@ what a rule is made of.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import assert_never
 
@@ -46,7 +46,8 @@ class Wording:
     """What all items are printed with. names: of the symbols; reach: how far each gets from its own
     origin; sized: symbols that need a scope of their own size, with that size; sizing: those of
     them whose rules set it, as they stand in no cell; counts: expressions that stand for a count,
-    by (rule, item, direction); one_by_one: no tables.
+    by (rule, item, direction); one_by_one: no tables; bodies: what gives the bodies of rules that
+    are said where they are used.
     """
 
     scheme: Scheme
@@ -60,12 +61,18 @@ class Wording:
     tables: list[ast.Table] = field(default_factory=list)
     labels: dict[int, str] = field(default_factory=dict)
     one_by_one: bool = False
+    bodies: dict[int, Callable[[], Sequence[ast.Element]]] = field(default_factory=dict)
 
     def symbol(self, index: int) -> list[ast.Element]:
         """The symbol where it is placed freely: with its own scope, if it needs one."""
         size = None if index in self.sizing else self.sized.get(index)
         own: list[ast.Element] = [] if size is None else [call("size", *size)]
-        return [*own, ast.Module(self.names[index])]
+        return [*own, *self.drawn(index)]
+
+    def drawn(self, index: int) -> Sequence[ast.Element]:
+        """What draws a symbol: its name, or its body where it is told nowhere else."""
+        body = self.bodies.get(index)
+        return (ast.Module(self.names[index]),) if body is None else body()
 
     def fitted(self, terminal: int) -> str:
         """The label of a terminal that is stretched to a scope."""
@@ -326,8 +333,9 @@ def _split(wording: Wording, split: Split, key: tuple[int, int]) -> ast.Element:
     for cell in split.cells:
         length = wording.precision.number(cell.length)
         size = ast.Size("floating" if cell.elastic else "absolute", length)
-        name = "nil" if cell.symbol is None else wording.names[cell.symbol]
-        part = ast.SplitPart(size, (ast.Module(name),))
+        nothing = (ast.Module("nil"),)
+        inside = nothing if cell.symbol is None else tuple(wording.drawn(cell.symbol))
+        part = ast.SplitPart(size, inside)
         parts.append(ast.SplitGroup((part,), "*") if cell.count > 1 else part)
     return ast.Split("xyz"[split.axis], tuple(parts))
 

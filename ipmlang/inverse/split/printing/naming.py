@@ -31,8 +31,12 @@ _NAMELESS = re.compile(r"Part\d*")  # shapes for which neither the file nor thei
 UPWARD = 0.7  # share of a step that has to be up for a column
 
 
-def symbol_names(scheme: Scheme, axiom: str, names: Names) -> tuple[str, ...]:
-    """A name for every symbol; axiom: the wish for the last one."""
+def symbol_names(
+    scheme: Scheme, axiom: str, names: Names, unnamed: frozenset[int] = frozenset()
+) -> tuple[str, ...]:
+    """A name for every symbol; axiom: the wish for the last one; unnamed: rules that are not told
+    by name, which are called by what they mainly draw.
+    """
     wishes: list[str] = []
     shapes = [each.name for each in scheme.symbols if isinstance(each, Terminal)]
     # Some shapes of the file stand for others: what is left is numbered anew.
@@ -46,7 +50,12 @@ def symbol_names(scheme: Scheme, axiom: str, names: Names) -> tuple[str, ...]:
             wishes.append(symbol.name or rule_wish(scheme, symbol, wishes))
     given: dict[int, str] = {}
     for number in _order(scheme):
-        given[number] = names.give(wishes[number])
+        if number not in unnamed:
+            given[number] = names.give(wishes[number])
+    for number in sorted(unnamed):
+        rule = scheme.symbols[number]
+        assert isinstance(rule, Rule)
+        given[number] = given.get(_main(scheme, rule), wishes[number])
     return tuple(given[number] for number in range(len(wishes)))
 
 
