@@ -6,6 +6,8 @@ In goes source, out comes a function; the names it may use are listed here. Noth
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
+from types import CodeType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,10 +55,16 @@ def function(
     head = f"def body({', '.join(params)}):"
     text = "\n    ".join([head, *lines, f"return {result}"])
     own = dict(space)
-    exec(compile(text, "<production>", "exec"), own)
+    exec(_code(text), own)
     made = own["body"]
     assert callable(made)
     return made
+
+
+@lru_cache(maxsize=1024)
+def _code(text: str) -> CodeType:
+    """Source compiled once, however many programs have the same body: an edit changes few."""
+    return compile(text, "<production>", "exec")
 
 
 def names_for(single: bool) -> dict[str, object]:

@@ -39,7 +39,7 @@ def deciding(tree: Tree, key: Key, others: Sequence[Key], axis: int) -> Iterator
             continue
         aside = set() if step == 0 else _aside(tree, rule, tree.names[way[step - 1]])
         for number, (place, expr) in numbered:
-            if place.rule == rule and id(expr) not in aside and _is_length(place, step == 0):
+            if place.rule == rule and id(expr) not in aside and _is_length(place, axis, step == 0):
                 value = number_of(expr)
                 if value is not None and value > 0:
                     yield number, (place, expr)
@@ -119,10 +119,10 @@ def _leads_to(bracket: ast.Bracket, symbol: str) -> bool:
     return any(isinstance(each, ast.Module) and each.name == symbol for each in nodes(bracket))
 
 
-def _is_length(place: Place, own: bool) -> bool:
+def _is_length(place: Place, axis: int, own: bool) -> bool:
     """Whether a number is a length that sizes what follows; in the rule of the shape itself also
-    one that moves a part of it.
+    one that moves a part of it along the axis.
     """
     if place.operation == "translate":
-        return own
+        return own and place.parameter == "xyz"[axis]
     return place.kind == "length" or place.operation in SIZING

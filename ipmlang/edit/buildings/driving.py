@@ -131,7 +131,7 @@ def _solved(tree: Tree, wanted: Aim, axis: int, knob: Knob) -> Tree | None:
             if not looking:
                 wanted.refused.append(f"`{knob.where}` would have to be {guess:.6g}")
             return None
-        made = _tried(knob, guess)
+        made = _tried(knob, guess, tree)
         size = None if made is None else size_of(made, key, axis)
         if made is None or size is None:
             return None
@@ -148,9 +148,9 @@ def _solved(tree: Tree, wanted: Aim, axis: int, knob: Knob) -> Tree | None:
     return None
 
 
-def _tried(knob: Knob, value: float) -> Tree | None:
+def _tried(knob: Knob, value: float, like: Tree) -> Tree | None:
     try:
-        return grown(knob.put(value))
+        return grown(knob.put(value), like=like)
     except IpmError:
         return None
 
@@ -172,7 +172,7 @@ def _knobs(tree: Tree, aim: Aim, axis: int) -> Iterator[Knob]:
     """The numbers that may decide: the lot, attributes and constants, rules from the shape up."""
     draft = tree.draft
     for number, item in enumerate(draft.grammar.items):
-        if isinstance(item, ast.Start) and item.place is not None:
+        if isinstance(item, ast.Start) and item.place is not None and Forms(tree).reads_lot():
             yield from _lot(draft, number, item)
     for number, item in enumerate(draft.grammar.items):
         if isinstance(item, ast.Attr) and item.type in ("int", "float", None):

@@ -99,6 +99,10 @@ class Forms:
         number = int(self.tree.scene.instances.asset[row])
         return number < 0 and number != SCOPE
 
+    def reads_lot(self) -> bool:
+        """Whether anything asks how large the lot is: where nothing does, the lot is but a note."""
+        return self._reads_scope(self.tree.program.axiom.body)
+
     def _has_box(self, row: int) -> bool:
         """Whether the geometry of a shape is all of its scope."""
         number = int(self.tree.lineage.state["geo"][row])

@@ -22,7 +22,7 @@ from ipmlang.edit.saving import about, staged
 from ipmlang.inverse.frames import Floats, Frames, Integers, corners, inverse, linear
 from ipmlang.runtime import derive
 from ipmlang.runtime.lineage import Lineage
-from ipmlang.runtime.scene import OUTLINE, SEGMENT, Scene
+from ipmlang.runtime.scene import OUTLINE, SEGMENT, AssetRef, Scene
 
 if TYPE_CHECKING:
     from ipmlang.formats.mesh_types import Mesh
@@ -154,20 +154,31 @@ class Tree:
         return local.min(axis=0), local.max(axis=0)
 
 
-def grown(draft: Draft, *, seed: int = 0, attrs: Mapping[str, float] | None = None) -> Tree:
-    """Derive a draft with its tree. Raises IpmError for what cannot be derived, and for grammars
-    whose shapes do not expand independently.
+def grown(
+    draft: Draft,
+    *,
+    seed: int = 0,
+    attrs: Mapping[str, float] | None = None,
+    like: Tree | None = None,
+) -> Tree:
+    """Derive a draft with its tree; like: a tree that has some of its assets already. Raises
+    IpmError for what cannot be derived, and for grammars whose shapes do not expand independently.
     """
     if not draft.added:
         program = compile_text(draft.text, folder=draft.folder)[1]
-        return tree_of(draft, program, seed=seed, attrs=attrs)
+        return tree_of(draft, program, seed=seed, attrs=attrs, like=like)
     with staged(draft, draft.path) as made, about(made, draft.path):
         program = compile_file(made.path, allow_outside=draft.allow_outside)[1]
         return tree_of(draft, program, seed=seed, attrs=attrs)
 
 
 def tree_of(
-    draft: Draft, program: ir.Program, *, seed: int = 0, attrs: Mapping[str, float] | None = None
+    draft: Draft,
+    program: ir.Program,
+    *,
+    seed: int = 0,
+    attrs: Mapping[str, float] | None = None,
+    like: Tree | None = None,
 ) -> Tree:
     """The tree of a program that a draft was compiled to."""
     told: list[Lineage] = []
@@ -190,17 +201,23 @@ def tree_of(
     )
     size = np.stack([state.get(name, np.zeros(count)) for name in ("sx", "sy", "sz")], axis=1)
     names = _names(draft.grammar, program, lineage)
-    meshes = _meshes(scene)
+    meshes = _meshes(scene, {} if like is None else _read_before(like))
     terminals = _terminals(scene, meshes)
     return Tree(draft, program, scene, lineage, names, frames, size, terminals, meshes)
 
 
-def _meshes(scene: Scene) -> dict[int, Mesh]:
+def _read_before(tree: Tree) -> dict[AssetRef, Mesh]:
+    """The meshes of a tree by what they were read for."""
+    return {tree.scene.assets[number]: mesh for number, mesh in tree.meshes.items()}
+
+
+def _meshes(scene: Scene, known: Mapping[AssetRef, Mesh]) -> dict[int, Mesh]:
     from ipmlang.runtime.export.model_assets import model_assets
 
     numbers = np.unique(scene.instances.asset[scene.instances.asset >= 0]).tolist()
-    read, _ = model_assets(scene.assets[number] for number in numbers)
-    return {number: read[scene.assets[number]] for number in numbers}
+    assets = {number: scene.assets[number] for number in numbers}
+    read, _ = model_assets(each for each in assets.values() if each not in known)
+    return {number: known[each] if each in known else read[each] for number, each in assets.items()}
 
 
 def _names(grammar: ast.Grammar, program: ir.Program, lineage: Lineage) -> tuple[str, ...]:
