@@ -95,6 +95,21 @@ def test_a_part_is_resized(tmp_path: Path, name: str, axis: str, factor: float) 
     check_holds(before, grown(made))
 
 
+def test_one_of_many_is_resized_and_its_twins_are_not(tmp_path: Path) -> None:
+    """The wings share a rule for their bays: that of the others must not change with one."""
+    draft = draft_of("court", tmp_path)
+    before = grown(draft)
+    after = grown(resized(draft, "Bay", "y", 0.5, 2))
+    frames = [k for k, label in enumerate(before.terminals.labels) if label == "Frame"]
+    ratio = [
+        np.ptp(np.stack(after.boxes(np.eye(3)))[:, k], axis=0)
+        / np.ptp(np.stack(before.boxes(np.eye(3)))[:, k], axis=0)
+        for k in frames
+    ]
+    changed = [k for k, each in enumerate(ratio) if np.abs(each - 1).max() > 1e-6]
+    assert changed == [1]
+
+
 def box_size(tree: Tree, select: str, number: int) -> np.ndarray:
     from ipmlang.edit.buildings.forms import Forms
 

@@ -17,7 +17,7 @@ NEAR = 1e-5
 
 def written(parts: list[Part]) -> str:
     """The rule and the tables that say these parts."""
-    body, tables = laid_out(parts, Room(NEAR), lambda wish: wish)
+    body, tables = laid_out(parts, Room(NEAR), lambda wish: wish, "Hall")
     rule = ast.Rule(ast.Head("House"), body)
     return format_grammar(ast.Grammar((ast.Version(1), *tables, rule)))
 
@@ -44,10 +44,22 @@ def test_few_uneven_copies_stand_one_by_one(count: int) -> None:
     assert "repeat" not in text
 
 
-def test_mirrored_copies_stand_one_by_one() -> None:
+def test_mirrored_copies_are_a_table_of_their_own() -> None:
     mirrored = replace(identity(), hand=np.array([-1.0]))
-    parts = [
-        (replace(mirrored, position=frame.position), elements)
-        for frame, elements in posts([(k * k, 0, 0) for k in range(5)])
+    parts = posts([(k * k, 0, 0) for k in range(5)])
+    parts += [(replace(mirrored, position=frame.position), inner) for frame, inner in parts]
+    text = written(parts)
+    assert text.count("table ") == 2
+    assert "{ mirror post }" in text
+
+
+def test_uneven_symbols_share_a_table_in_their_order() -> None:
+    rows = posts([(1, 0, 0), (2.5, 0, 1)]) + [
+        (moved_to(np.array([[k * k, 3.0, 0]])), (ast.Module(name),))
+        for k, name in enumerate(["beam", "beam", "sill", "post", "gate"])
     ]
-    assert written(parts).count("mirror") == 5
+    text = written(rows)
+    assert "table hall_parts(shape, x, y, z) =\n    post, 1, 0, 0\n    post, 2.5, 0, 1\n" in text
+    assert "    sill, 4, 3, 0\n" in text
+    assert text.count("post, ") == 2, "a table would draw the third post before the beams"
+    assert "[translate(9, 3, 0) post]" in text

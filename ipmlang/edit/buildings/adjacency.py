@@ -1,7 +1,8 @@
 """Boxes with their neighbours and the faces that coincide: what attachments are made of.
 
 In go boxes, out come pairs, and numbers for faces: those of neighbours that lie in one plane are
-one unknown, so that no solution takes them apart. What follows from that is said elsewhere.
+one unknown, so that no solution takes them apart. By how little they do not lie in one plane is
+kept, so that nothing moves that no edit moves. What follows from that is said elsewhere.
 """
 
 from __future__ import annotations
@@ -20,14 +21,15 @@ Integers = NDArray[np.int64]
 @dataclass(frozen=True, slots=True, eq=False)
 class Attached:
     """n boxes low, high (n, 3) with their neighbours, pairs (k, 2); faces (2n, 3): the unknown of
-    the low faces, then of the high faces, by axis; near: the neighbours of each box, and along how
-    many axes they abut it.
+    the low faces, then of the high faces, by axis; off (2n, 3): how far each lies from where its
+    unknown is; near: the neighbours of each box, and along how many axes they abut it.
     """
 
     low: Floats
     high: Floats
     pairs: Integers
     faces: Integers
+    off: Floats
     near: tuple[list[tuple[int, int]], ...]
     tolerance: float
 
@@ -44,12 +46,22 @@ def attach(low: Floats, high: Floats, tolerance: float, held: Integers | None = 
         pairs = np.unique(np.concatenate([pairs, np.sort(held, axis=1)]), axis=0)
     values = np.concatenate([low, high])
     faces = np.stack([_merged(values[:, axis], pairs, tolerance) for axis in range(3)], axis=1)
+    off = np.stack([_off(values[:, k], faces[:, k]) for k in range(3)], axis=1)
     near: list[list[tuple[int, int]]] = [[] for _ in range(len(low))]
     abut = touching(low, high, pairs, tolerance).sum(axis=1).tolist()
     for (i, j), many in zip(pairs.tolist(), abut, strict=True):
         near[i].append((j, many))
         near[j].append((i, many))
-    return Attached(low, high, pairs, faces, tuple(near), tolerance)
+    return Attached(low, high, pairs, faces, off, tuple(near), tolerance)
+
+
+def _off(values: Floats, numbers: Integers) -> Floats:
+    """(2n,) how far faces lie from the middle of those that are one unknown."""
+    count = int(numbers.max(initial=-1)) + 1
+    least, most = np.full(count, np.inf), np.full(count, -np.inf)
+    np.minimum.at(least, numbers, values)
+    np.maximum.at(most, numbers, values)
+    return np.asarray(values - (0.5 * (least + most))[numbers])
 
 
 def _merged(values: Floats, pairs: Integers, tolerance: float) -> Integers:

@@ -39,11 +39,11 @@ class Stretching:
         return len(self.marking.terms) + len(self.fixed)
 
     def solve(self, values: Floats) -> tuple[Floats, Floats]:
-        """(n,) low and (n,) high faces of all boxes for values (f,) of the fixed faces."""
+        """(n,) low and (n,) high faces of all boxes for values (f,) of the fixed unknowns."""
         found = self.factored.solve(values, np.array(self.marking.at))
-        faces = self.marking.attached.faces[:, self.marking.axis]
-        count = len(self.marking.attached)
-        return found[faces[:count]], found[faces[count:]]
+        attached, axis = self.marking.attached, self.marking.axis
+        places = found[attached.faces[:, axis]] + attached.off[:, axis]
+        return places[: len(attached)], places[len(attached) :]
 
 
 def stretching(

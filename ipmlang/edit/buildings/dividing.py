@@ -161,7 +161,7 @@ def join(draft: Draft, select: str, numbers: Sequence[int], *, name: str | None 
     parts = [(compose(back, forms.frame(unit)), forms.plain(unit, owner)) for unit in units]
     bare = select.rpartition(".")[2]
     title = forms.new_name(name or f"{bare[0].upper()}{bare[1:]}_group")
-    body, tables = laid_out(parts, Room(tolerance(forms.tree)), forms.new_name)
+    body, tables = laid_out(parts, Room(tolerance(forms.tree)), forms.new_name, title)
     forms.tables += tables
     forms.rules[title] = (select, body)
     at: dict[Unit, Sequence[Placed]] = dict.fromkeys(units[1:], ())

@@ -20,7 +20,7 @@ from ipmlang.compiler.format import format_expression
 from ipmlang.edit.arithmetic import literal, number_of
 from ipmlang.edit.buildings.deciding import Key, deciding
 from ipmlang.edit.buildings.forms import Forms
-from ipmlang.edit.buildings.soundness import came_apart, extents, runs_into
+from ipmlang.edit.buildings.soundness import came_apart, extents, out_of_line, runs_into
 from ipmlang.edit.buildings.tree import Tree, grown
 from ipmlang.edit.buildings.units import tolerance
 from ipmlang.edit.draft import Change, Draft, with_items, with_parameters
@@ -32,13 +32,15 @@ TRIALS = 40  # parameters that are looked at, at most
 RATHER = 4.0  # times more than the size that a number may change
 LEAST = 0.02  # of its size that everything keeps
 FIT = 1e-9  # of the size, that a solution may be off
+ALONE = ("size", "translate")  # operations whose numbers are those of one part
 TRY = 1.07  # times a number, to see what it does
 
 
 @dataclass(frozen=True, slots=True)
 class Knob:
     """A number of the grammar. where: as a person reads it; value: now; put: the draft with another
-    one; whole: it counts something; low, high: what it may be.
+    one; whole: it counts something; low, high: what it may be; alone: it sizes or moves one part,
+    which what lies in one plane with it may not follow.
     """
 
     where: str
@@ -47,6 +49,7 @@ class Knob:
     whole: bool = False
     low: float = -math.inf
     high: float = math.inf
+    alone: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,7 +82,9 @@ def _one(tree: Tree, aim: Aim, axis: int) -> Tree | None:
         if number >= TRIALS:
             return None
         found = _solved(tree, aim, axis, knob)
-        if found is not None and _is_meant(tree, found, aim, axis):
+        if found is None or not _is_meant(tree, found, aim, axis):
+            continue
+        if not (knob.alone and out_of_line(tree, found, tolerance(tree))):
             return found
     return None
 
@@ -271,4 +276,5 @@ def _length(draft: Draft, number: int, found: tuple[Place, ast.Expr], value: flo
     def put(new: float) -> Draft:
         return with_parameters(draft, {number: found}, {number: literal(new)})
 
-    return Knob(f"{found[0].rule}: {found[0].operation}", value, put)
+    where = f"{found[0].rule}: {found[0].operation}"
+    return Knob(where, value, put, alone=found[0].operation in ALONE)

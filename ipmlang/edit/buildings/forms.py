@@ -8,6 +8,7 @@ decided here about where anything goes.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
@@ -16,10 +17,12 @@ import numpy as np
 from ipmlang.compiler import ast, ir
 from ipmlang.compiler.diagnostics import IpmError, fail
 from ipmlang.edit.arithmetic import literal
+from ipmlang.edit.buildings.asking import Asking
 from ipmlang.edit.buildings.baking import Asset, Baking
 from ipmlang.edit.buildings.tree import Tree
 from ipmlang.edit.symbols import Elements, taken_names
-from ipmlang.inverse.frames import Floats, Frames, compose, identity, inverse, linear
+from ipmlang.inverse.frames import Floats, Frames, Integers, compose, identity, inverse, linear
+from ipmlang.inverse.numbers import shortest
 from ipmlang.inverse.split.placing import Precision, spots, steps_to
 from ipmlang.inverse.split.wording import all_nothing, bracket, call, times
 from ipmlang.runtime.scene import SCOPE
@@ -31,22 +34,46 @@ TEXTS = ("color", "fill", "stroke", "css", "material", "texture", "label")
 BOUND = ("uv", "join", "effect")  # of the state: what cannot be said apart from where it was made
 EXTENTS: Vector = (ast.Name("scope.sx"), ast.Name("scope.sy"), ast.Name("scope.sz"))
 EXACT = Precision(0.0)
+SHARE = 1e-9  # of an extent, that a share of it may be off
 FEW = 1e-9  # of a size that is nothing
 SQUARE = 1e-7  # how far axes may be off that are the same
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Inside:
+    """A part of a shape in the axes of a frame: its frame there, low corner (3,) and, along its own
+    axes, its size (3,); axis (3,): which of the frame's each of its own is; square: it keeps its
+    own axes.
+    """
+
+    unit: Unit
+    frame: Frames
+    corner: Floats
+    size: Floats
+    axis: Integers
+    square: bool
+
+
 @dataclass(slots=True, eq=False)
 class Forms:
-    """The forms of one tree; rules, tables: those that were made for them, rules by name."""
+    """The forms of one tree; rules, tables: those that were made for them, rules by name; variants:
+    of these, those that draw what another rule draws, at another size; brief: those that may stand
+    where they are used, if that is in one place.
+    """
 
     tree: Tree
     rules: dict[str, tuple[str, Elements]] = field(default_factory=dict)
     tables: list[ast.Table] = field(default_factory=list)
+    variants: set[str] = field(default_factory=set)
+    brief: set[str] = field(default_factory=set)
     _taken: set[str] = field(default_factory=set)
     _fitted: dict[object, str] = field(default_factory=dict)
-    _filling: dict[int, bool] = field(default_factory=dict)
     _labels: dict[str, str] = field(default_factory=dict)
     baking: Baking | None = None
+    _asking: Asking = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._asking = Asking(self.tree.program)
 
     # ---------------------------------------------------------------------------- asking
 
@@ -72,7 +99,7 @@ class Forms:
         if kind == "terminal":
             return not self.tree.is_natural(row) and not self.is_solid(row)
         symbol = int(self.tree.lineage.symbol[row])
-        return symbol >= 0 and self._symbol_fills(symbol) and self._has_box(row)
+        return symbol >= 0 and self._asking.symbol_asks(symbol) and self._has_box(row)
 
     def box(self, unit: Unit) -> tuple[Floats, Floats]:
         """(3,) the corners of a unit in its own axes: its scope, where it fills that."""
@@ -94,6 +121,24 @@ class Forms:
             size = np.where(size > 0, size, last - first)
         return np.asarray(size * self.frame(unit).scale[0])
 
+    def stretched(self, unit: Unit) -> Floats:
+        """(3,) how many times as large as in their files assets of a unit are at least, along its
+        own axes, where they fill scopes; 1 where there are none, or they stand askew.
+        """
+        kind, row = unit
+        tree, found = self.tree, []
+        for each in [row] if kind == "terminal" else tree.below(row):
+            mesh = tree.meshes.get(int(tree.scene.instances.asset[each]))
+            part: Unit = ("terminal", each)
+            if mesh is None or tree.is_natural(each) or not self.is_square(part, self.frame(unit)):
+                continue
+            natural = np.ptp(mesh.vertices, axis=0)
+            size = tree.terminals.high[each] * self.frame(part).scale[0]
+            turned = linear(compose(inverse(self.frame(unit)), self.frame(part)))[0]
+            axis = np.abs(turned).argmax(axis=1)
+            found.append(np.where(natural > 0, size / np.where(natural > 0, natural, 1), 1)[axis])
+        return np.min(found, axis=0) if found else np.ones(3)
+
     def is_solid(self, row: int) -> bool:
         """Whether a terminal has a geometry that only its rule can say."""
         number = int(self.tree.scene.instances.asset[row])
@@ -101,53 +146,12 @@ class Forms:
 
     def reads_lot(self) -> bool:
         """Whether anything asks how large the lot is: where nothing does, the lot is but a note."""
-        return self._reads_scope(self.tree.program.axiom.body)
+        return self._asking.body_asks(self.tree.program.axiom.body)
 
     def _has_box(self, row: int) -> bool:
         """Whether the geometry of a shape is all of its scope."""
         number = int(self.tree.lineage.state["geo"][row])
         return number <= BOX or len(self.tree.scene.solids[number].vertices) in (4, 8)
-
-    def _symbol_fills(self, symbol: int) -> bool:
-        if symbol not in self._filling:
-            self._filling[symbol] = False  # while a recursive rule is looked at
-            program = self.tree.program
-            self._filling[symbol] = any(
-                self._reads_scope(program.productions[number].body)
-                for number in program.symbols[symbol].productions
-            )
-        return self._filling[symbol]
-
-    def _reads_scope(self, body: tuple[ir.Instruction, ...], sized: bool = False) -> bool:
-        """Whether a body asks how large its scope is before it says so."""
-        saved: list[bool] = []
-        for each in body:
-            if each.op == "open":
-                saved.append(sized)
-            elif each.op == "close":
-                sized = saved.pop()
-            elif each.op == "module":
-                assert isinstance(each.const, int)
-                if not sized and self._uses_scope(each.const):
-                    return True
-                steps = self.tree.program.symbols[each.const].meaning or ()
-                sized = sized or any(step.op == "resize" for step in steps)
-            elif not sized and (
-                each.op in ("slab", "pieces", "snapped", "measure")
-                or (each.op == "state" and each.const in ("sx", "sy", "sz"))
-                or (each.op == "repeat" and self._reads_scope(each.body))
-            ):
-                return True
-        return False
-
-    def _uses_scope(self, number: int) -> bool:
-        """Whether a module takes the scope that it is given for its own."""
-        symbol = self.tree.program.symbols[number]
-        ops = {step.op: step.const for step in symbol.meaning or ()}
-        if "resize" in ops:
-            return False
-        drawn = ops.get("emit", 0) == -1 or "solid" in ops
-        return drawn or (bool(symbol.productions) and self._symbol_fills(number))
 
     # --------------------------------------------------------------------------- as it is
 
@@ -180,11 +184,13 @@ class Forms:
         rows = [row] if kind == "terminal" else self.tree.below(row)
         return self.tree.box_of(rows, base)
 
-    def is_square(self, unit: Unit, base: Frames) -> bool:
-        """Whether the axes of a unit are those of a frame, in whatever order and direction."""
+    def is_square(self, unit: Unit, base: Frames, along: Sequence[int] = (0, 1, 2)) -> bool:
+        """Whether the axes of a unit are those of a frame, in whatever order and direction; or some
+        of the frame's axes are among those of the unit.
+        """
         turned = linear(compose(inverse(base), self.frame(unit)))[0]
         turned = turned / np.cbrt(abs(np.linalg.det(turned)))
-        return bool(np.abs(np.abs(turned).max(axis=0) - 1).max() <= SQUARE)
+        return bool(np.abs(np.abs(turned[list(along)]).max(axis=1) - 1).max(initial=0) <= SQUARE)
 
     def _label(self, name: str) -> str:
         if name not in self._labels:
@@ -284,7 +290,7 @@ class Forms:
     def _fit_rule(self, row: int, base: Frames) -> str:
         """The rule that draws a shape in shares of its scope, whose axes are those of a frame."""
         symbol = self.tree.names[row]
-        body = self._shares(row, base)
+        body = self.shares(row, base)
         key = (symbol, body)
         if key not in self._fitted:
             name = self.new_name(f"{symbol.rpartition('.')[2]}_fitted")
@@ -292,27 +298,37 @@ class Forms:
             self.rules[name] = (symbol, body)
         return self._fitted[key]
 
-    def _shares(self, row: int, base: Frames) -> Elements:
+    def shares(self, row: int, base: Frames) -> Elements:
+        """A body that draws a shape in shares of a scope whose axes are those of a frame."""
         low, high = self.box_in(("shape", row), base)
         extent = high - low
         body: list[ast.Element] = []
-        for unit in self._square_parts(row, base):
-            square = self.is_square(unit, base)
-            first, last = self.box(unit) if square else self.box_in(unit, base)
-            frame = compose(inverse(base), self.frame(unit)) if square else identity()
-            turned = linear(frame)[0]
-            axis = np.abs(turned).argmax(axis=0)
-            corner = turned @ first + frame.position[0]
-            size = (last - first) * frame.scale[0]
+        for each in self.inside(row, base):
+            corner, size, axis = each.corner, each.size, each.axis
             x, y, z = (_share(corner[k] - low[k], extent[k], EXTENTS[k]) for k in range(3))
             place = (x, y, z)
             scope = [_share(size[k], extent[axis[k]], EXTENTS[axis[k]]) for k in range(3)]
-            bare = Frames(np.zeros((1, 3)), frame.rotation, frame.hand, np.ones(1))
+            bare = Frames(np.zeros((1, 3)), each.frame.rotation, each.frame.hand, np.ones(1))
             turn = steps_to(spots(bare, EXACT, 1.0)[0])
-            inner = self.fitted(unit, row, (scope[0], scope[1], scope[2]), base)
+            inner = self.fitted(each.unit, row, (scope[0], scope[1], scope[2]), base)
             move = [] if all_nothing(place) else [call("translate", *place)]
             body.append(bracket([*move, *turn, *inner]))
         return tuple(body)
+
+    def inside(self, row: int, base: Frames, along: Sequence[int] = (0, 1, 2)) -> list[Inside]:
+        """The parts of a shape in the axes of a frame, and from its origin; along: the axes along
+        which they must not stand askew.
+        """
+        found = []
+        for unit in self._square_parts(row, base, along):
+            square = self.is_square(unit, base, along)
+            first, last = self.box(unit) if square else self.box_in(unit, base)
+            frame = compose(inverse(base), self.frame(unit)) if square else identity()
+            turned = linear(frame)[0]
+            corner = turned @ first + frame.position[0]
+            size, axis = (last - first) * frame.scale[0], np.abs(turned).argmax(axis=0)
+            found.append(Inside(unit, frame, corner, size, axis, square))
+        return found
 
     def row_rule(self, unit: Unit, size: Floats, axes: tuple[int, ...], base: Frames) -> str:
         """The rule for a unit that stands as often as it fits along some axes of its scope, about
@@ -334,12 +350,12 @@ class Forms:
             self.rules[name] = (symbol, tuple(inner))
         return self._fitted[key]
 
-    def _square_parts(self, row: int, base: Frames) -> list[Unit]:
+    def _square_parts(self, row: int, base: Frames, along: Sequence[int]) -> list[Unit]:
         """The parts of a shape; those of the shapes in it that stand askew, one by one."""
         found: list[Unit] = []
         for unit in self.parts(row):
-            askew = unit[0] == "shape" and not self.is_square(unit, base)
-            found += self._square_parts(unit[1], base) if askew else [unit]
+            askew = unit[0] == "shape" and not self.is_square(unit, base, along)
+            found += self._square_parts(unit[1], base, along) if askew else [unit]
         return found
 
     def parts(self, row: int) -> list[Unit]:
@@ -368,8 +384,7 @@ def _share(value: float, whole: float, extent: ast.Expr) -> ast.Expr:
     """A share of an extent of the scope."""
     if whole <= 0 or abs(value) <= FEW * whole:
         return ast.Number(0.0)
-    share = literal(float(value / whole))
-    return times(share, extent)
+    return times(ast.Number(shortest(float(value / whole), SHARE)), extent)
 
 
 def _closed(expr: ast.Expr) -> bool:

@@ -55,7 +55,7 @@ class Marking:
         place = bisect.bisect_left(breaks, (x, -1))
         for near in breaks[max(place - 1, 0) : place + 1]:
             if abs(near[0] - x) <= self.attached.tolerance:
-                self.note(kind, ((unknown, 1.0), (near[1], -1.0)), 0.0)
+                self.note(kind, ((unknown, 1.0), (near[1], -1.0)), x - near[0])
                 break
         else:
             if not 0 < place < len(breaks):
@@ -91,7 +91,7 @@ def mark(
     """
     numbers, count = attached.faces[:, axis], len(attached)
     at = np.zeros(int(numbers.max()) + 1)
-    at[numbers] = np.concatenate([attached.low, attached.high])[:, axis]
+    at[numbers] = np.concatenate([attached.low, attached.high])[:, axis] - attached.off[:, axis]
     known = [False] * len(at)
     for face in fixed.tolist():
         known[face] = True

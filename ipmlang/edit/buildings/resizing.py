@@ -14,23 +14,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail
 from ipmlang.edit.buildings.attachments import Attached, attach, settle, stretching, warped
 from ipmlang.edit.buildings.deciding import Key
 from ipmlang.edit.buildings.driving import Aim, driven
 from ipmlang.edit.buildings.forms import Forms, Unit
-from ipmlang.edit.buildings.rewriting import Placed, rewritten
-from ipmlang.edit.buildings.rows import Room
+from ipmlang.edit.buildings.rebuilding import Rebuilt
+from ipmlang.edit.buildings.rewriting import rewritten
 from ipmlang.edit.buildings.soundness import check_sound
 from ipmlang.edit.buildings.tree import grown
 from ipmlang.edit.buildings.units import Units, divided, selected, tolerance, whole
 from ipmlang.edit.draft import Draft
-from ipmlang.inverse.frames import Floats, Frames, from_matrices, linear
+from ipmlang.inverse.frames import Floats, linear
 
-LARGE, LITTLE = 1.8, 0.4  # times its size: beyond, a part is split, or joined (section 4.1)
 SAME = 1e-9
-EVEN = 0.1  # of how near touches, by which sizes may differ and are the same
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,18 +203,33 @@ def _solved(
     first = boxes[0]
     count = len(system)
     faces = system.faces[:, axis]
-    size = system.high[:, axis] - system.low[:, axis]
-    pins = {int(faces[first]): float(system.low[first, axis])}
-    pins[int(faces[first + count])] = float(system.low[first, axis] + factor * size[first])
+    low, high, off = system.low[:, axis], system.high[:, axis], system.off[:, axis]
+    size = high - low
+    old = np.array([low[first], high[first]])
+    new = np.array([old[0], old[0] + factor * size[first]])
+    if _is_all(system, first, axis, factor):
+        return warped(system, axis, old, new)
+    pins = {int(faces[first]): float(new[0] - off[first])}
+    pins[int(faces[first + count])] = float(new[1] - off[first + count])
     _ground(pins, system, made.axes, axis)
-    extents = {box: factor * float(size[box]) for box in boxes[1:]}
+    extents = {
+        box: factor * float(size[box]) - float(off[box + count] - off[box]) for box in boxes[1:]
+    }
     fixed = np.array(sorted(pins), np.int64)
     own = stretching(system, axis, fixed, boxes, extents)
     found = settle(own, np.array([pins[each] for each in fixed.tolist()]))
-    if found is not None:
-        return found
-    old = np.array([system.low[first, axis], system.high[first, axis]])
-    return warped(system, axis, old, np.array([old[0], old[0] + factor * size[first]]))
+    return warped(system, axis, old, new) if found is None else found
+
+
+def _is_all(system: Attached, first: int, axis: int, factor: float) -> bool:
+    """Whether everything lies within one box, so that it all keeps its shares of that; and what
+    touches is not taken apart by what is between.
+    """
+    low, high = system.low[:, axis], system.high[:, axis]
+    within = low.min() >= low[first] - system.tolerance
+    within &= high.max() <= high[first] + system.tolerance
+    between = 2 * float(np.abs(system.off[:, axis]).max())
+    return bool(within) and between * max(factor, 1.0) <= system.tolerance
 
 
 def _ground(pins: dict[int, float], system: Attached, axes: Floats, axis: int) -> None:
@@ -226,159 +238,13 @@ def _ground(pins: dict[int, float], system: Attached, axes: Floats, axis: int) -
     if abs(up) < 1 - 1e-9:
         return
     count = len(system)
-    values = (system.low if up > 0 else system.high)[:, axis]
+    places = np.concatenate([system.low, system.high])[:, axis]
+    values = places[:count] if up > 0 else places[count:]
     ground = values.min() if up > 0 else values.max()
     rows = np.flatnonzero(np.abs(values - ground) <= system.tolerance)
-    for face in system.faces[rows if up > 0 else rows + count, axis].tolist():
-        pins.setdefault(face, float(ground))
+    for row in (rows if up > 0 else rows + count).tolist():
+        face = int(system.faces[row, axis])
+        pins.setdefault(face, float(places[row] - system.off[row, axis]))
 
 
-# -------------------------------------------------------------------------------- rebuilt
-
-
-@dataclass(slots=True, eq=False)
-class Rebuilt:
-    """Units in their new boxes: moved, stretched, split into rows of themselves, or joined."""
-
-    forms: Forms
-    made: Units
-    low: Floats
-    high: Floats
-    near: float
-
-    def placed(self) -> dict[Unit, list[Placed]]:
-        """What stands in place of each unit that is elsewhere, or of another size."""
-        before = self.made.high - self.made.low
-        after = self.high - self.low
-        gone = self._join(_ratios(before, after))
-        self._even_out()
-        ratio = _ratios(before, self.high - self.low)
-        found: dict[Unit, list[Placed]] = {}
-        for k, unit in enumerate(self.made.units):
-            if k in gone:
-                found[unit] = []
-                continue
-            same = np.allclose(ratio[k], 1.0, rtol=0, atol=SAME)
-            if same and np.allclose(self.low[k], self.made.low[k], rtol=0, atol=SAME):
-                continue
-            found[unit] = [self._unit(k, unit, ratio[k])]
-        return found
-
-    def _even_out(self) -> None:
-        """Parts of one kind whose sizes differ by less than what touches get one size, about their
-        middles: a solution is no more exact than that, and equal parts are said once.
-        """
-        kinds: dict[str, list[int]] = {}
-        for k, unit in enumerate(self.made.units):
-            kinds.setdefault(self.forms.name(unit), []).append(k)
-        for rows in kinds.values():
-            for axis in range(3):
-                size = (self.high - self.low)[rows, axis]
-                off = 0.5 * (size - evened(size, EVEN * self.near))
-                self.low[rows, axis] += off
-                self.high[rows, axis] -= off
-
-    def _unit(self, k: int, unit: Unit, ratio: Floats) -> Placed:
-        """A unit after its box went from one to the other."""
-        forms, axes = self.forms, self.made.axes
-        own, owner = forms.frame(unit), forms.owner(unit)
-        if np.allclose(ratio, 1.0, rtol=0, atol=SAME):
-            shift = (self.low[k] - self.made.low[k]) @ axes
-            frame = Frames(own.position + shift, own.rotation, own.hand, own.scale)
-            return Placed(frame, forms.plain(unit, owner), shift)
-        base = own if forms.is_square(unit, _upright(axes)) else _upright(axes)
-        square = forms.is_square(unit, base)
-        low, high = forms.box(unit) if square else forms.box_in(unit, base)
-        turned = axes @ (linear(base)[0] / base.scale[0])
-        axis = np.abs(turned).argmax(axis=0)
-        corner = axes @ (linear(base)[0] @ low + base.position[0])
-        moved = self.low[k] + (corner - self.made.low[k]) * ratio
-        size = (high - low) * ratio[axis]
-        frame = Frames((moved @ axes)[None], base.rotation, base.hand, base.scale)
-        numbers = Room(self.near).precision.vector(size)
-        shift = (moved - corner) @ axes
-        many = [1 if forms.fills(unit) else _copies(float(each)) for each in ratio[axis]]
-        if max(many) == 1:
-            return Placed(frame, forms.fitted(unit, owner, numbers, base), shift)
-        repeated = tuple(axis for axis in range(3) if many[axis] > 1)
-        name = forms.row_rule(unit, high - low, repeated, base)
-        elements = (*forms.pens(unit, owner), _call_size(numbers), ast.Module(name))
-        return Placed(frame, elements, shift)
-
-    def _join(self, ratio: Floats) -> set[int]:
-        """The units that go because one beside them takes their room, too."""
-        gone: set[int] = set()
-        for axis in range(3):
-            small = [k for k in np.flatnonzero(ratio[:, axis] < LITTLE).tolist() if k not in gone]
-            for run in _runs(self.forms, self.made, small, axis):
-                whole = sum(float(self.high[k, axis] - self.low[k, axis]) for k in run)
-                natural = float(self.made.high[run[0], axis] - self.made.low[run[0], axis])
-                if len(run) < 2 or self.forms.fills(self.made.units[run[0]]):
-                    continue
-                keep = max(1, min(len(run) - 1, round(whole / natural)))
-                begin = float(self.low[run[0], axis])
-                for place, k in enumerate(run[:keep]):
-                    self.low[k, axis] = begin + place * whole / keep
-                    self.high[k, axis] = begin + (place + 1) * whole / keep
-                gone.update(run[keep:])
-        return gone
-
-
-def evened(sizes: Floats, near: float) -> Floats:
-    """Sizes (n,) with those that all lie within `near` in the middle of them.
-
-    >>> evened(np.array([3.0, 1.0, 1.0004, 2.0]), 0.001).tolist()
-    [3.0, 1.0002, 1.0002, 2.0]
-    """
-    order = np.argsort(sizes, kind="stable")
-    found = sizes.copy()
-    begin = 0
-    for end in range(1, len(sizes) + 1):
-        if end == len(sizes) or sizes[order[end]] - sizes[order[begin]] > near:
-            group = order[begin:end]
-            found[group] = 0.5 * (sizes[group[0]] + sizes[group[-1]])
-            begin = end
-    return found
-
-
-def _ratios(before: Floats, after: Floats) -> Floats:
-    """How many times as large; 1 where there is no extent."""
-    return np.asarray(np.where(before > 0, after / np.where(before > 0, before, 1.0), 1.0))
-
-
-def _upright(axes: Floats) -> Frames:
-    """The frame at the origin with these axes, rows of (3, 3)."""
-    return from_matrices(np.concatenate([axes.T, np.zeros((3, 1))], axis=1)[None])
-
-
-def _call_size(size: Sequence[ast.Expr]) -> ast.Module:
-    return ast.Module("size", tuple(ast.Argument(each) for each in size))
-
-
-def _copies(ratio: float) -> int:
-    """How many copies a part becomes that is stretched so much."""
-    return 1 if ratio <= LARGE else max(2, round(ratio))
-
-
-def _runs(forms: Forms, made: Units, small: Sequence[int], axis: int) -> list[list[int]]:
-    """Squeezed siblings of one symbol that touch along an axis, in its order."""
-    across = [k for k in range(3) if k != axis]
-    lanes: dict[object, list[int]] = {}
-    for k in small:
-        own = np.concatenate([made.low[k, across], made.high[k, across]])
-        unit = made.units[k]
-        lane = (forms.owner(unit), forms.name(unit), tuple(np.round(own, 6).tolist()))
-        lanes.setdefault(lane, []).append(k)
-    runs: list[list[int]] = []
-    for found in lanes.values():
-        found.sort(key=lambda k: float(made.low[k, axis]))
-        for k in found:
-            last = runs[-1][-1] if runs and runs[-1][0] in found else None
-            if last is not None and abs(made.high[last, axis] - made.low[k, axis]) <= 1e-6:
-                runs[-1].append(k)
-            else:
-                runs.append([k])
-    return runs
-
-
-__all__ = ["Rebuilt", "Wanted", "resize"]
+__all__ = ["Wanted", "resize"]

@@ -18,6 +18,7 @@ from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.edit.buildings.forms import Forms, Unit
 from ipmlang.edit.buildings.rows import Room, laid_out
+from ipmlang.edit.buildings.sizing import inlined
 from ipmlang.edit.buildings.units import tolerance
 from ipmlang.edit.draft import Change, Draft
 from ipmlang.edit.symbols import Elements, needed_names, used_names, without_names
@@ -69,15 +70,17 @@ class Rewriting:
         return Placed(frame, (*self._begin(row), ast.Module(self._variant(row, body))))
 
     def _followed(self, units: Sequence[Unit]) -> Floats | None:
-        """How far the first part went, where none stayed as it was."""
+        """How far the parts went at least, where none stayed as it was."""
+        found: list[Floats] = []
         for unit in units:
-            for placed in self.at.get(unit, ()):
-                if placed.shift is not None:
-                    return placed.shift
-            if unit[0] == "shape" and unit[1] in self.opened:
+            found += [each.shift for each in self.at.get(unit, ()) if each.shift is not None]
+            if unit[0] == "shape" and unit[1] in self.opened and unit not in self.at:
                 before, after = self.forms.frame(unit), self._once(unit[1]).frame
-                return np.asarray(after.position[0] - before.position[0])
-        return None
+                found.append(after.position[0] - before.position[0])
+        if not found:
+            return None
+        shifts = np.array(found)
+        return np.asarray(shifts[np.abs(shifts).argmin(axis=0), np.arange(3)])
 
     def _around(self, row: int) -> int:
         return max(int(self.forms.tree.parent[row]), 0)
@@ -126,7 +129,9 @@ class Rewriting:
         back = inverse(frame)
         inside = [Placed(compose(back, each.frame), each.elements) for each in placed]
         parts = [(each.frame, each.elements) for each in inside]
-        body, tables = laid_out(parts, Room(self.near), self.forms.new_name)
+        body, tables = laid_out(
+            parts, Room(self.near), self.forms.new_name, self.forms.tree.names[row]
+        )
         self.forms.tables += tables
         return body
 
@@ -193,19 +198,25 @@ def _with_rules(writing: Rewriting, axiom: Elements, what: str) -> Draft:
     """The draft with the new axiom and the new rules, each behind the rule that it comes of."""
     forms = writing.forms
     draft = forms.tree.draft
-    kept = _kept_names(writing, axiom)
-    renamed = {name: symbol for name, (symbol, _) in writing.made.items() if name in kept}
+    every = {**forms.rules, **writing.made}
+    said = {name: body for name, (_, body) in every.items()}
+    said = inlined({"start": axiom, **said}, forms.brief, forms.tables)
+    axiom = said.pop("start")
+    every = {name: (every[name][0], body) for name, body in said.items()}
+    kept = _kept_names(writing, every, axiom)
+    renamed = {name: symbol for name, (symbol, _) in every.items() if name in kept}
     new: dict[str, list[ast.Rule]] = {}
     bodies: dict[str, Elements] = {}
-    for name, (symbol, body) in {**forms.rules, **writing.made}.items():
+    for name, (symbol, body) in every.items():
         body = _renamed(body, renamed)
         if name in renamed:
             bodies[symbol] = body
         else:
             new.setdefault(symbol, []).append(ast.Rule(ast.Head(name), body))
     grammar = _placed_rules(draft.grammar, new, bodies, _renamed(axiom, renamed))
-    grammar = _with_tables(grammar, forms.tables)
-    grammar = without_names(grammar, needed_names(draft.grammar) - needed_names(grammar))
+    grammar = _with_tables(grammar, [_renamed_rows(each, renamed) for each in forms.tables])
+    before = needed_names(draft.grammar) | set(every)
+    grammar = without_names(grammar, before - needed_names(grammar))
     changes = [
         Change(symbol, "its parts", symbol if name in renamed else name)
         for name, (symbol, _) in writing.made.items()
@@ -224,7 +235,20 @@ def _with_tables(grammar: ast.Grammar, tables: Sequence[ast.Table]) -> ast.Gramm
     return replace(grammar, items=(*grammar.items[:place], *read, *grammar.items[place:]))
 
 
-def _kept_names(writing: Rewriting, axiom: Elements) -> set[str]:
+def _renamed_rows(table: ast.Table, names: Mapping[str, str]) -> ast.Table:
+    rows = tuple(
+        tuple(
+            ast.Name(names[cell.id]) if isinstance(cell, ast.Name) and cell.id in names else cell
+            for cell in row
+        )
+        for row in table.rows
+    )
+    return replace(table, rows=rows)
+
+
+def _kept_names(
+    writing: Rewriting, every: Mapping[str, tuple[str, Elements]], axiom: Elements
+) -> set[str]:
     """The variants that take the place of their rule: nothing else of it is drawn any more."""
     forms, grammar = writing.forms, writing.forms.tree.draft.grammar
     heads = Counter(item.head.name for item in grammar.items if isinstance(item, ast.Rule))
@@ -233,16 +257,20 @@ def _kept_names(writing: Rewriting, axiom: Elements) -> set[str]:
         for item in grammar.items
         if isinstance(item, ast.Rule) and not item.head.parameters and item.guard is None
     }
-    called = used_names(axiom).union(
-        *(used_names(body) for _, body in (*writing.made.values(), *forms.rules.values()))
-    )
+    called = used_names((axiom, tuple(body for _, body in every.values()), tuple(forms.tables)))
     by_symbol: dict[str, list[str]] = {}
-    for name, (symbol, _) in writing.made.items():
-        by_symbol.setdefault(symbol, []).append(name)
-    gone = set(by_symbol)
-    for item in grammar.items:  # what rules that stay still ask for
-        if isinstance(item, ast.Rule) and item.head.name not in gone and item.head.name in called:
-            called |= used_names(item)
+    for name, (symbol, _) in every.items():
+        if name in writing.made or name in forms.variants:
+            by_symbol.setdefault(symbol, []).append(name)
+    rules: dict[str, set[str]] = {}
+    for item in grammar.items:
+        if isinstance(item, ast.Rule):
+            rules[item.head.name] = rules.get(item.head.name, set()) | used_names(item)
+    waiting = list(called)
+    while waiting:  # what rules that stay still ask for
+        more = rules.get(waiting.pop(), set()) - called
+        called |= more
+        waiting += more
     return {
         names[0]
         for symbol, names in by_symbol.items()

@@ -1,4 +1,4 @@
-"""Parts in frames as the elements of a body: rows as repeats, copies as tables, others one by one.
+"""Parts in frames as the elements of a body: rows as repeats, symbols as tables, others one by one.
 
 In go frames with what stands in each, out come elements as inference prints them, and the tables
 that they read. Numbers are as short as what touches allows. Nothing is derived here.
@@ -15,10 +15,12 @@ from ipmlang.compiler import ast
 from ipmlang.edit.symbols import Elements
 from ipmlang.inverse.frames import Floats, Frames
 from ipmlang.inverse.split.placing import Precision, Spot, placed, spots
-from ipmlang.inverse.split.wording import Vector, is_nothing, plus, times
+from ipmlang.inverse.split.wording import Vector, all_nothing, is_nothing, plus, times
 
 FEWEST, MANY = 3, 4  # members of a row, rows of a table
+MIXED = 5  # rows of a table of several symbols
 COLUMNS = ("x", "y", "z", "rx", "ry", "rz")
+SHAPE = "shape"
 Part = tuple[Frames, Elements]
 
 
@@ -39,52 +41,112 @@ class Room:
 
 
 def laid_out(
-    parts: Sequence[Part], room: Room, title: Callable[[str], str]
+    parts: Sequence[Part], room: Room, title: Callable[[str], str], around: str
 ) -> tuple[Elements, list[ast.Table]]:
     """The elements that draw parts at frames of one row each, and their tables; title: gives a free
-    name like a wish.
+    name like a wish; around: the symbol whose body it is.
     """
     body: list[ast.Element] = []
     tables: list[ast.Table] = []
     begin = 0
     while begin < len(parts):
         end = _row_end(parts, begin, room.near)
-        alike = _alike_end(parts, begin)
         if end - begin >= FEWEST:
             body.append(_row(parts[begin:end], room))
-        elif alike - begin >= MANY and (table := _table(parts[begin:alike], room, title)):
-            end = alike
-            tables.append(table)
-            body.append(ast.Repeat(ast.Rows("at", table.name, places=True), parts[begin][1]))
+            begin = end
+            continue
+        end = _alike_end(parts, begin)
+        mixed = _symbols_end(parts, begin, room)
+        if (end - begin >= MANY and end == mixed) or mixed - begin < MIXED:
+            found = _table(parts[begin:end], room, title) if end - begin >= MANY else None
         else:
+            end = mixed
+            name = title(f"{around.rpartition('.')[2].lower()}_parts")
+            found = _mixed_table(parts[begin:end], room, name)
+        if found is None:
             end = begin + 1
             body.append(placed(room.spot(parts[begin][0]), parts[begin][1]))
+        else:
+            body.append(found[0])
+            tables.append(found[1])
         begin = end
     return tuple(body), tables
 
 
 def _alike_end(parts: Sequence[Part], begin: int) -> int:
-    """Behind the last of equal parts that follow each other."""
+    """Behind the last of equal parts of one hand that follow each other."""
+    frame, elements = parts[begin]
     end = begin + 1
-    while end < len(parts) and parts[end][1] == parts[begin][1]:
+    while end < len(parts) and parts[end][1] == elements and parts[end][0].hand == frame.hand:
         end += 1
     return end
 
 
-def _table(parts: Sequence[Part], room: Room, title: Callable[[str], str]) -> ast.Table | None:
-    """The places of equal parts; None where they are more than moved and turned."""
+def _symbols_end(parts: Sequence[Part], begin: int, room: Room) -> int:
+    """Behind the last of parts that follow each other and are but symbols, moved or turned, of one
+    hand, up to where a row of them begins, or a symbol comes again: a table draws all of a symbol
+    where it first names it.
+    """
+    end = begin
+    before: list[str] = []
+    hand = parts[begin][0].hand[0]
+    while end < len(parts):
+        frame, elements = parts[end]
+        only = elements[0] if len(elements) == 1 else None
+        if not isinstance(only, ast.Module) or only.args or "." in only.name:
+            break
+        spot = room.spot(frame)
+        home = all_nothing(spot.place) and all_nothing(spot.turn)
+        if home or spot.scale is not None or frame.hand[0] != hand:
+            break
+        if end > begin and _row_end(parts, end, room.near) - end >= FEWEST:
+            break
+        if only.name in before[:-1] and only.name != before[-1]:
+            break
+        before.append(only.name)
+        end += 1
+    return end
+
+
+Tabled = tuple[ast.Element, ast.Table]
+
+
+def _table(parts: Sequence[Part], room: Room, title: Callable[[str], str]) -> Tabled | None:
+    """Equal parts at the places of a table; None where they are more than moved and turned."""
     found = [room.spot(frame) for frame, _ in parts]
-    if any(spot.mirrored or spot.scale is not None for spot in found):
+    columns, rows = _cells(found)
+    if not columns or any(spot.scale is not None for spot in found):
         return None
+    elements = parts[0][1]
+    last = elements[-1]
+    name = last.name if isinstance(last, ast.Module) else "part"
+    table = ast.Table(title(f"{name.lower()}_places"), columns=columns, rows=rows)
+    return _over(table, found[0], elements), table
+
+
+def _mixed_table(parts: Sequence[Part], room: Room, title: str) -> Tabled:
+    """Symbols at the places of a table, which names them."""
+    found = [room.spot(frame) for frame, _ in parts]
+    columns, cells = _cells(found)
+    names = [
+        each.name for _, elements in parts for each in elements if isinstance(each, ast.Module)
+    ]
+    rows = tuple((ast.Name(name), *row) for name, row in zip(names, cells, strict=True))
+    table = ast.Table(title, columns=(SHAPE, *columns), rows=rows)
+    return _over(table, found[0], (ast.Module(f"at.{SHAPE}"),)), table
+
+
+def _over(table: ast.Table, spot: Spot, elements: Elements) -> ast.Element:
+    """A repeat of elements over a table, mirrored as all of its spots are."""
+    mirror = (ast.Module("mirror"),) if spot.mirrored else ()
+    return ast.Repeat(ast.Rows("at", table.name, places=True), (*mirror, *elements))
+
+
+def _cells(found: Sequence[Spot]) -> tuple[tuple[str, ...], tuple[tuple[ast.Expr, ...], ...]]:
+    """The columns that say something of spots, and their rows."""
     cells = [(*spot.place, *spot.turn) for spot in found]
     said = [k for k in range(len(COLUMNS)) if not all(is_nothing(row[k]) for row in cells)]
-    if not said:
-        return None
-    last = parts[0][1][-1]
-    name = last.name if isinstance(last, ast.Module) else "part"
-    rows = tuple(tuple(row[k] for k in said) for row in cells)
-    columns = tuple(COLUMNS[k] for k in said)
-    return ast.Table(title(f"{name.lower()}_places"), columns=columns, rows=rows)
+    return tuple(COLUMNS[k] for k in said), tuple(tuple(row[k] for k in said) for row in cells)
 
 
 def _row_end(parts: Sequence[Part], begin: int, near: float) -> int:

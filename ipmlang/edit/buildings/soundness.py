@@ -91,6 +91,28 @@ def runs_into(before: Tree, after: Tree, near: float) -> bool:
     return bool(((depth > 10 * near).all(axis=1)).any())
 
 
+def out_of_line(before: Tree, after: Tree, near: float) -> bool:
+    """Whether faces of neighbours that lay in one plane do not, where both trees have the same
+    terminals: one part was changed, and what belongs to it did not follow.
+    """
+    one, other = before.scene.instances.key, after.scene.instances.key
+    common, mine, theirs = np.intersect1d(one, other, return_indices=True)
+    if not len(common) == len(one) == len(other):
+        return False
+    low, high = (each[mine] for each in before.boxes(np.eye(3)))
+    i, j = neighbours(low, high, near).T
+    low_after, high_after = (each[theirs] for each in after.boxes(np.eye(3)))
+    return any(
+        bool(((np.abs(a[i] - b[j]) <= near) & (np.abs(c[i] - d[j]) > 4 * near)).any())
+        for a, b, c, d in (
+            (low, low, low_after, low_after),
+            (high, high, high_after, high_after),
+            (low, high, low_after, high_after),
+            (high, low, high_after, low_after),
+        )
+    )
+
+
 def extents(tree: Tree) -> Floats:
     """(m, 3) the sizes of all terminals along their own axes."""
     one = tree.terminals
