@@ -73,6 +73,8 @@ def choose_lattices(
     for symbol in np.unique(string.symbol).tolist():
         for _ in range(ROUNDS):
             rows = np.flatnonzero((string.symbol == symbol) & left & plain)
+            if _placed_tokens(string, rows, beside, alphabet) <= RULE:
+                break
             found = _lattices(alphabet, string, symbol, rows, noise, known)
             made = list(_of_symbol(alphabet, string, symbol, rows, found, beside, scattered))
             if not made:
@@ -181,6 +183,19 @@ def _gain(
         # A table of residuals takes as much as the table of places that it stands for.
         after += RESIDUAL + float(beside[members][beside[members] < AROUND].sum())
     return float(before - after - _layering(members))
+
+
+def _placed_tokens(
+    string: Arrangement, rows: Integers, beside: Floats, alphabet: Alphabet
+) -> float:
+    """Tokens of placements of one symbol, at most: what a rule of all of them could save."""
+    if not len(rows):
+        return 0.0
+    fine = alphabet.tolerance
+    reach = max(alphabet[int(string.symbol[rows[0]])].radius, fine)
+    columns = _columns(string.placed[rows], fine, reach)
+    digits = sum(float(_digits(value, error).sum()) for value, error, _ in columns)
+    return digits / DIGITS + float(beside[rows].sum())
 
 
 def _columns(placed: Frames, fine: float, reach: float) -> list[tuple[Floats, float, bool]]:

@@ -71,11 +71,14 @@ def _noisier(known: Cloud, net: Net, used: Mask, tests: float, finer: Integers) 
     """The same grid with noise allowed, or with the steps (4,) of a finer basis, where that makes
     it much larger.
     """
+    least = max(BETTER * len(net), len(net) + 3)
+    if np.count_nonzero(~used) < least:
+        return net
     p, q, r, s = finer
     i, j = unstaggered(net).T
     index = np.stack([p * i + q * j, r * i + s * j], axis=1)
     tried = _grown(known, _Seed(index, net.rows), used, known.loose)
-    if tried is None or len(tried) < max(BETTER * len(net), len(net) + 3):
+    if tried is None or len(tried) < least:
         return net
     return tried if _believable(known, tried, tests) else net
 

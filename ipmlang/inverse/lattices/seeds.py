@@ -120,18 +120,21 @@ def _find(known: Cloud, used: Mask, places: Complexes, reach: NDArray[np.float64
 
 def bolder(known: Cloud, chain: Chain, used: Mask, tests: float) -> Chain:
     """The same chain with noise allowed, or bent, where that makes it much longer."""
-    best = chain
+    best, free = chain, np.count_nonzero(~used)
     kinds: tuple[Kind, ...] = (chain.model.kind,)
     if chain.model.kind == "line" and chain.reach > known.exact:
         kinds = ("parabola", "ring", "log", "archimedes")
     for kind in kinds:
+        least = max(BETTER * len(best), len(best) + 2)
+        if free + 1 < least:  # one member may be another chain's
+            break
         smooth = at(best.model, np.arange(best.index[0], best.index[-1] + 1))
         first = start(kind, smooth, np.arange(len(smooth)))
         if first is None or len(chain) < 3:
             continue
         index = best.index - best.index[0]
         tried = grow(known, first, index, best.rows, used, known.loose)
-        longer = tried is not None and len(tried) >= max(BETTER * len(best), len(best) + 2)
+        longer = tried is not None and len(tried) >= least
         if tried is not None and longer and believable(known, tried, tests):
             best = tried
     return best
@@ -139,7 +142,7 @@ def bolder(known: Cloud, chain: Chain, used: Mask, tests: float) -> Chain:
 
 def _denser(known: Cloud, chain: Chain, used: Mask, tests: float) -> Chain:
     """The same chain with half the step, where the seed had left out every second member."""
-    if chain.model.kind == "vogel":
+    if chain.model.kind == "vogel" or np.count_nonzero(~used) + 1 < BETTER * len(chain):
         return chain
     index = 2 * (chain.index - chain.index[0])
     halves = at(chain.model, chain.index[0] + np.arange(index[-1] + 1) / 2)
