@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import IpmError, fail
 from ipmlang.formats.drawing import Drawing
-from ipmlang.inverse.baselines import settle_baselines
 from ipmlang.inverse.compare import Comparison
 from ipmlang.inverse.deviations import rule_errors
 from ipmlang.inverse.explanation import Explanation, explain
@@ -24,24 +23,22 @@ from ipmlang.inverse.grammar_file import (
     symbol_names,
     write_grammar,
 )
-from ipmlang.inverse.lattices.choice import Memory, with_lattices
-from ipmlang.inverse.lsystem.curves import moved
-from ipmlang.inverse.lsystem.importance import Measure
-from ipmlang.inverse.lsystem.journal import Journal
-from ipmlang.inverse.lsystem.rules import Search
-from ipmlang.inverse.lsystem.symbols import Arrangement
-from ipmlang.inverse.lsystem.trees import TreeSearch
-from ipmlang.inverse.observation import Observation
 from ipmlang.inverse.options import USUAL, Options
 from ipmlang.inverse.prove import prove
 from ipmlang.inverse.recursive_file import write_recursion
 from ipmlang.inverse.report import Report, RuleError
-from ipmlang.inverse.shared_places import share_places
-from ipmlang.inverse.simplify import AXIOM, Book, drop_poor_rules, make_book, recentre
-from ipmlang.inverse.tapers import complete_tapers
-from ipmlang.inverse.terminals import Instanced, grouped, instances
-from ipmlang.inverse.tolerances import Tolerances, relaxed, seen
-from ipmlang.inverse.upright import make_upright, settle_terminals
+from ipmlang.inverse.simplify import AXIOM, Book, make_book
+from ipmlang.inverse.terminals import grouped
+from ipmlang.inverse.tolerances import relaxed, seen
+from ipmlang.inverse.ways import (
+    MOST_SCATTERED,
+    Found,
+    Goal,
+    Memories,
+    searched,
+    ways_to_see,
+    with_runs,
+)
 
 LEAST_REGULAR = 0.3  # of the flat tokens: what is shorter needs no other look
 ROW = 2  # tokens that a row of a table counts for beyond those it takes: rules can be changed
@@ -49,7 +46,6 @@ LEFT = 4  # placements of one symbol that a lattice could say
 NOISE_TOKENS = 1.1  # times as many tokens a regular grammar with residuals may have
 SHORT = 0.1  # of the flat tokens: a recursion that no other rules will beat
 FEW = 600  # elements for which a second look costs hardly any time
-MOST_SCATTERED = 6000  # symbols among which lattices are looked for
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,27 +68,6 @@ class Counts:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Goal:
-    """What is to be given back, how exactly, and what a person asked for."""
-
-    drawing: Drawing
-    observed: Observation
-    stem: str
-    options: Options
-    given: Tolerances
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Found:
-    """What a search found, and the file that says it."""
-
-    book: Book
-    subject: Subject
-    written: Written
-    journal: Journal
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class Attempt:
     """A file that could be the answer, in a word how it was found, what it takes in tokens, and for
     how many more it counts, since a person would rather maintain something else.
@@ -103,14 +78,6 @@ class Attempt:
     counts: Counts
     tokens: int
     more: float = 0.0
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Memories:
-    """What searches of one drawing tell each other: trees and lattices that were looked for."""
-
-    trees: TreeSearch
-    lattices: Memory
 
 
 def best_grammar(
@@ -124,7 +91,7 @@ def best_grammar(
     say("looking for equal shapes")
     observed, given = seen(drawing, options)
     goal = Goal(drawing, observed, stem, options, given)
-    ways = _ways(goal)
+    ways = ways_to_see(goal)
     alone = grouped(observed, ways[0], shared=False)
     plain = Subject(observed, alone, stem, given.rounding, use_tables=False)
     flat_book = make_book(alone.alphabet, alone.string)
@@ -143,15 +110,14 @@ def best_grammar(
                 return made
         say("looking for rules")
         # Where a recursion draws everything, no other way to see its lines is worth the time.
-        ways = ways[:1] if attempts else ways
-        memory = Memories(TreeSearch(), {})
-        tried = [_searched(goal, way, say, memory) for way in ways]
+        seen_so, memory = with_runs(goal, ways[:1] if attempts else ways), Memories()
+        tried = [searched(goal, way, say, memory) for way in seen_so]
         found = min(tried, key=lambda each: each.written.ruled)
         enough = LEAST_REGULAR if len(observed) > FEW else LEAST_REGULAR / 2
         irregular = found.written.ruled > enough * flat_tokens and _alike(found.book) >= LEFT
         if irregular and len(observed) <= MOST_SCATTERED and not attempts:
             say("looking for lattices")
-            again = [_searched(goal, way, say, memory, True) for way in _ways(goal)]
+            again = [searched(goal, way, say, memory, True) for way in seen_so]
             again = [each for each in again if each.book.lattices]
             found = _better(found, again, options.symmetrize)
         attempts += _written_out(found, len(observed))
@@ -194,14 +160,6 @@ def _better(found: Found, regular: list[Found], symmetrize: bool) -> Found:
     return min(better, key=lambda each: each.written.weight)
 
 
-def _ways(goal: Goal) -> list[Instanced]:
-    """Every way to see the drawing as terminals, with the tolerance of the search."""
-    ways = instances(goal.observed)
-    for way in ways:
-        way.alphabet.tolerance = goal.given.search * goal.observed.diagonal
-    return ways
-
-
 def _ideal(goal: Goal, flat: Written) -> Goal:
     """With as much room for the proof as similar shapes need, each left in its place."""
     given = goal.given
@@ -238,63 +196,6 @@ def _clearly(goal: Goal, attempts: list[Attempt], flat_tokens: int) -> Made | No
         return _first_right(goal, short, None, flat_tokens)
     except IpmError:  # what is wrong is tried among the others, which say so
         return None
-
-
-def _searched(
-    goal: Goal, way: Instanced, say: Callable[[str], None], known: Memories, first: bool = False
-) -> Found:
-    """What is found when the drawing is seen in one way; first: lattices before other rules."""
-    instanced = grouped(goal.observed, way, shared=True)
-    bodies = dict(instanced.bodies)
-    # A table of the whole paint order pays only where lattices explain much: if they come first.
-    given, scattered = instanced.string, first and not instanced.effects
-    regular = given
-    if first:
-        regular = with_lattices(instanced.alphabet, given, scattered, known.lattices)
-    search = Search(
-        instanced.alphabet, instanced.seen, given, say, bodies, goal.options, trees=known.trees
-    )
-    search.measure = _measure(instanced, goal)
-    search.note_lattices(regular)
-    search.string = regular
-    string = search.run()
-    if len(string) <= MOST_SCATTERED and not goal.options.paper:
-        search.string, string = (
-            string,
-            with_lattices(instanced.alphabet, string, scattered, known.lattices),
-        )
-        search.note_lattices(string)
-    book = _simplified(instanced, string, goal.options)
-    instanced = replace(instanced, string=string)
-    subject = Subject(goal.observed, instanced, goal.stem, goal.given.rounding)
-    return Found(book, subject, write_grammar(book, subject), search.journal)
-
-
-def _measure(instanced: Instanced, goal: Goal) -> Measure | None:
-    """What measures clusters, where somebody asks for it."""
-    if goal.options.weights.neutral and not (goal.options.explain or goal.options.paper):
-        return None
-    outlines = [
-        None if each.shape.outline is None else moved(each.shape.outline, each.base)
-        for each in instanced.terminals
-    ]
-    return Measure(outlines, goal.observed.diagonal)
-
-
-def _simplified(instanced: Instanced, string: Arrangement, options: Options) -> Book:
-    """The rules that the string needs, the poor ones written out."""
-    book = make_book(instanced.alphabet, string)
-    if options.paper:
-        book.drop_unused()
-    else:
-        drop_poor_rules(book)
-    complete_tapers(book, instanced.alphabet)
-    make_upright(book, instanced.alphabet)
-    recentre(book)
-    share_places(book, instanced.alphabet)
-    settle_baselines(book, instanced.alphabet)
-    settle_terminals(book, instanced.alphabet)
-    return book
 
 
 def _first_right(

@@ -1,0 +1,174 @@
+"""A drawing seen in one way, and the search for rules in it.
+
+Takes an observation; gives every way to see it as terminals, and for each the rules that a search
+finds, simplified and printed. Searches of one drawing tell each other what they looked for: the
+strings of those that begin with lattices, where there are none, are those that begin without.
+Which of them is the answer is decided elsewhere, and nothing here is proven.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+from ipmlang.formats.drawing import Drawing
+from ipmlang.inverse.baselines import settle_baselines
+from ipmlang.inverse.grammar_file import Subject, Written, write_grammar
+from ipmlang.inverse.lattices.choice import Memory, with_lattices
+from ipmlang.inverse.lsystem.curves import moved
+from ipmlang.inverse.lsystem.importance import Measure
+from ipmlang.inverse.lsystem.journal import Journal
+from ipmlang.inverse.lsystem.rules import Search
+from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement
+from ipmlang.inverse.lsystem.trees import TreeSearch
+from ipmlang.inverse.observation import Observation
+from ipmlang.inverse.options import Options
+from ipmlang.inverse.shared_places import share_places
+from ipmlang.inverse.simplify import Book, drop_poor_rules, make_book, recentre
+from ipmlang.inverse.tapers import complete_tapers
+from ipmlang.inverse.terminals import Instanced, grouped, instances
+from ipmlang.inverse.tolerances import Tolerances
+from ipmlang.inverse.upright import make_upright, settle_terminals
+
+MOST_SCATTERED = 6000  # symbols among which lattices are looked for
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Goal:
+    """What is to be given back, how exactly, and what a person asked for."""
+
+    drawing: Drawing
+    observed: Observation
+    stem: str
+    options: Options
+    given: Tolerances
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Found:
+    """What a search found, and the file that says it."""
+
+    book: Book
+    subject: Subject
+    written: Written
+    journal: Journal
+
+
+@dataclass(slots=True, eq=False)
+class Way:
+    """A way to see the drawing, runs under effects as symbols. left: the symbols and the string
+    that a search without lattices left, once there was one.
+    """
+
+    instanced: Instanced
+    left: tuple[Alphabet, Arrangement, Journal] | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Memories:
+    """What searches of one drawing tell each other: trees and lattices that were looked for."""
+
+    trees: TreeSearch = field(default_factory=TreeSearch)
+    lattices: Memory = field(default_factory=dict)
+
+
+def ways_to_see(goal: Goal) -> list[Instanced]:
+    """Every way to see the drawing as terminals, with the tolerance of the search."""
+    ways = instances(goal.observed)
+    for way in ways:
+        way.alphabet.tolerance = goal.given.search * goal.observed.diagonal
+    return ways
+
+
+def with_runs(goal: Goal, ways: list[Instanced]) -> list[Way]:
+    """The ways with the runs under each effect as symbols."""
+    return [Way(grouped(goal.observed, way, shared=True)) for way in ways]
+
+
+def searched(
+    goal: Goal, way: Way, say: Callable[[str], None], known: Memories, first: bool = False
+) -> Found:
+    """What is found when the drawing is seen in one way; first: lattices before other rules."""
+    alphabet = _copied(way.instanced.alphabet)
+    instanced = replace(way.instanced, alphabet=alphabet)
+    # A table of the whole paint order pays only where lattices explain much: if they come first.
+    scattered = first and not instanced.effects
+    regular = instanced.string
+    if first:
+        regular = with_lattices(alphabet, regular, scattered, known.lattices)
+    if len(alphabet) == len(way.instanced.alphabet) and way.left is not None:
+        alphabet, string, journal = way.left
+        alphabet = _copied(alphabet)
+        instanced = replace(instanced, alphabet=alphabet)
+    else:
+        string, journal = _run(goal, instanced, regular, say, known)
+        if not first and not goal.options.explain:
+            way.left = _copied(alphabet), string, journal
+    if len(string) <= MOST_SCATTERED and not goal.options.paper:
+        before, string = string, with_lattices(alphabet, string, scattered, known.lattices)
+        _noting(goal, instanced, before, journal).note_lattices(string)
+    book = _simplified(instanced, string, goal.options)
+    instanced = replace(instanced, string=string)
+    subject = Subject(goal.observed, instanced, goal.stem, goal.given.rounding)
+    return Found(book, subject, write_grammar(book, subject), journal)
+
+
+def _copied(alphabet: Alphabet) -> Alphabet:
+    """An alphabet that a search may add to."""
+    return Alphabet(alphabet.tolerance, list(alphabet.definitions))
+
+
+def _run(
+    goal: Goal,
+    instanced: Instanced,
+    regular: Arrangement,
+    say: Callable[[str], None],
+    known: Memories,
+) -> tuple[Arrangement, Journal]:
+    """The string that a search leaves, and its journal; regular: what it begins with."""
+    search = _noting(goal, instanced, instanced.string, Journal())
+    search.progress, search.trees = say, known.trees
+    search.note_lattices(regular)
+    search.string = regular
+    return search.run(), search.journal
+
+
+def _noting(goal: Goal, instanced: Instanced, string: Arrangement, journal: Journal) -> Search:
+    """A search of a string that notes in a journal what it finds."""
+    search = Search(
+        instanced.alphabet,
+        instanced.seen,
+        string,
+        bodies=dict(instanced.bodies),
+        options=goal.options,
+        journal=journal,
+    )
+    search.measure = _measure(instanced, goal)
+    return search
+
+
+def _measure(instanced: Instanced, goal: Goal) -> Measure | None:
+    """What measures clusters, where somebody asks for it."""
+    if goal.options.weights.neutral and not (goal.options.explain or goal.options.paper):
+        return None
+    outlines = [
+        None if each.shape.outline is None else moved(each.shape.outline, each.base)
+        for each in instanced.terminals
+    ]
+    return Measure(outlines, goal.observed.diagonal)
+
+
+def _simplified(instanced: Instanced, string: Arrangement, options: Options) -> Book:
+    """The rules that the string needs, the poor ones written out."""
+    book = make_book(instanced.alphabet, string)
+    if options.paper:
+        book.drop_unused()
+    else:
+        drop_poor_rules(book)
+    complete_tapers(book, instanced.alphabet)
+    make_upright(book, instanced.alphabet)
+    recentre(book)
+    share_places(book, instanced.alphabet)
+    settle_baselines(book, instanced.alphabet)
+    settle_terminals(book, instanced.alphabet)
+    return book
