@@ -91,7 +91,10 @@ ITEMS = {
     'site S1 = "castle.glb#S1" radius 0.26': "A docking site.",
     "Head(a, b) : guard : 30% --> body": "A rule. The guard, the percentage or `weight w`, and the "
     "parameters may be left out; `else` is taken when it is reached. `A < B(x) > C` looks at what "
-    "stands before and behind; a string above is its documentation.",
+    "stands before and behind; a string above is its documentation. What is compared with "
+    "something that is not a number (0 / 0, the root of less than 0) is neither true nor false, "
+    "nor is what hangs on it by `and`, `or`, `not` or `if`: a guard that is neither is an error, "
+    "and so is an argument that is not a finite number.",
     "Lot --> split x { ~1: House | 2: Tree(5) }": "Rules of all kinds in one file. What rules "
     "without operations on scopes make, such as "
     "`Tree`, is a string of its own where it has to be: where a symbol moves the turtle for "

@@ -86,6 +86,8 @@ def varied(program: ir.Program, k0: keys.Words, k1: keys.Words) -> tuple[Column,
         code, register = attr.default
         batch, _ = compile_values(code, (register,))
         found = batch((), k0, k1, {}, known, NO_DATA)[0]  # type: ignore[arg-type]  # columns, too
+        if np.isnan(found).any():
+            raise fail("not-a-number", f"the default of `{attr.name}` is not a number")
         known.append(np.round(found) if attr.type == "int" else found)
     for number in program.varied:
         _refuse_outside(program.attrs[number], np.atleast_1d(known[number]), program.strings)
@@ -165,6 +167,8 @@ def _default(program: ir.Program, attr: ir.Attribute, before: list[float], seed:
     _, single = compile_values(code, (register,))
     k0, k1 = keys.root(seed)
     value = float(single((), k0, k1, {}, before, NO_DATA)[0])
+    if math.isnan(value):
+        raise fail("not-a-number", f"the default of `{attr.name}` is not a number", hint=attr.doc)
     return float(round(value)) if attr.type == "int" and math.isfinite(value) else value
 
 

@@ -8,12 +8,13 @@ found by a scan. Nothing is derived here.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from ipmlang.compiler import ir
 from ipmlang.runtime.algebra import Operand, Source
-from ipmlang.runtime.code import INFIX, Data, Names, expression, source
+from ipmlang.runtime.code import INFIX, SOUND, Data, Names, expression, source
 from ipmlang.runtime.fields import FRAME, IDENTITY, UNSET
 from ipmlang.runtime.fields import SCOPE as SCOPE_FIELDS
 from ipmlang.runtime.grouping import FIELD
@@ -82,6 +83,7 @@ class Writer:
         self.base: State = {}
         self.owners: list[str] = []  # of the copies around, since the base was noted
         self._moving: dict[int, bool] = {}
+        self._sound: set[int] = set()  # registers of the body whose numbers are finite
         self.unknown: set[str] = set()  # of a quiet walk: what an operation on geometry made of it
 
     # ------------------------------------------------------------------------ elements
@@ -111,6 +113,8 @@ class Writer:
             elif each.op == "module":
                 state = self._module(each, scope, state)
             elif each.out not in scope.registers and (needed is None or each.out in needed):
+                if each.op in SOUND:
+                    self._sound.add(each.out)
                 scope.registers[each.out] = self._value(each, scope, scope.registers, state)
         return state
 
@@ -182,10 +186,26 @@ class Writer:
         symbol = self._setting.program.symbols[each.const]
         args = tuple(scope.registers[register] for register in each.args)
         if not self._expands(each):
+            self.check(each, symbol.name, scope)
             return self.act(symbol.meaning or (), scope, args, each.const, each.site, state)
         if not self.quiet:
             self._make(each.const, scope, args, each.site, state)
         return state
+
+    def check(self, each: ir.Instruction, name: str, scope: Scope) -> None:
+        """What an operation is given must be finite; that of children is checked with them."""
+        if self.quiet:
+            return
+        for register in each.args:
+            value = scope.registers[register]
+            known = isinstance(value, float) and math.isfinite(value)
+            if known or register in self._sound:
+                continue
+            if self._single:
+                self.source.lines.append(f"if not isfinite({source(value)}):")
+                self.source.lines.append(f"    run.finite({source(value)}, {name!r})")
+            else:
+                self.source.lines.append(f"run.finite({source(value)}, {name!r}, {scope.shown})")
 
     def _value(
         self, each: ir.Instruction, scope: Scope, registers: Mapping[int, Operand], state: State
@@ -431,6 +451,8 @@ class Writer:
         shown = None
         for register in each.args[1:]:
             hole = self.taken(scope.registers[register], owner)
+            if not self.quiet:
+                self.source.lines.append(f"run.finite({source(hole)}, 'except')")
             clear = self.source.let(f"({source(hole)} != {index})")
             shown = clear if shown is None else self.source.let(f"{shown} & {clear}")
         rows = None if shown is None else self.source.let(f"flatnonzero({shown})")

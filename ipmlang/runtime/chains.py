@@ -159,8 +159,8 @@ def _held(
 ) -> int:
     """In how many rows, from the first on, the guard holds."""
     nothing = np.zeros(0, np.uint32)
-    truth = guard(columns, nothing, nothing, {}, attrs, data)[0]
-    holds = np.broadcast_to(np.asarray(truth) != 0, (len(columns[0]),))
+    truth = np.asarray(guard(columns, nothing, nothing, {}, attrs, data)[0])
+    holds = np.broadcast_to((truth != 0) & (truth == truth), (len(columns[0]),))
     return len(holds) if holds.all() else int(np.argmin(holds))
 
 
@@ -197,7 +197,7 @@ def _loop(
         "note_k0, note_k1 = a0.append, a1.append",
         "for _ in range(limit):",
         *(f"    {line}" for line in guard),
-        f"    if not {source(taken[0])}:",
+        f"    if not {source(taken[0])} or {source(taken[0])} != {source(taken[0])}:",
         "        break",
         *(f"    note{number}(p{number})" for number in range(count)),
         "    note_k0(k0)",
@@ -236,8 +236,8 @@ def _quick(each: ir.Instruction, args: list[str | float]) -> str | None:
     if each.op != "call" or name not in ("lt", "gt") or not any(isinstance(a, str) for a in args):
         return None
     low, high = [source(arg) for arg in (args if name == "lt" else args[::-1])]
-    if "0.0" in (low, high):
-        return f"({low} < {high})"  # nothing but 0 itself is close to 0
+    if "0.0" in (low, high):  # nothing but 0 itself is close to 0
+        return f"({low} < {high} or f_lt({low}, {high}))"
     return f"({high} - {low} > 1e-9 * (abs({low}) + abs({high})) or f_lt({low}, {high}))"
 
 

@@ -7,6 +7,7 @@ shape decides; nothing here rewrites.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -14,6 +15,7 @@ import numpy as np
 
 from ipmlang.compiler import ir
 from ipmlang.compiler.diagnostics import IpmError, fail
+from ipmlang.compiler.ops.exact import has_nan
 from ipmlang.runtime import keys
 from ipmlang.runtime.scan import Real, Whole
 from ipmlang.runtime.values import Batch, Flags, Value, spread
@@ -141,7 +143,7 @@ class Choice:
         _, instructions, register = production.chance
         tried.batch.evaluate(instructions)
         amount = tried.batch.column(register)
-        wrong = np.flatnonzero(~(amount >= 0))
+        wrong = np.flatnonzero(~((amount >= 0) & (amount < np.inf)))
         if len(wrong):
             error = out_of_range(tried.batch.bound.program, production, float(amount[wrong[0]]))
             raise ShapeError(error, int(tried.rows[wrong[0]]))
@@ -162,12 +164,24 @@ class Choice:
         if production.guard is not None and not production.otherwise:
             instructions, register = production.guard
             batch.evaluate(instructions)
-            holds = batch.column(register) != 0
+            holds = self._holds(production, rows, batch.column(register))
             if not holds.all():
                 kept = np.flatnonzero(holds)
                 rows, batch = rows[kept], batch.take(kept)
         self._tried[number] = Taken(number, rows, batch)
         return self._tried[number]
+
+    def _holds(self, production: ir.Production, rows: Whole, truth: Real) -> Flags:
+        """For which rows a guard holds. NaN is an error, unless answers are yet to come."""
+        holds: Flags = truth != 0
+        if not has_nan(truth):
+            return holds
+        scope = self._batch.scope
+        if scope is not None and scope.measures.first_pass:
+            return holds & ~np.isnan(truth)
+        wrong = np.flatnonzero(np.isnan(truth))
+        error = no_truth(self._batch.bound.program, production, len(wrong))
+        raise ShapeError(error, int(rows[wrong[0]]))
 
     def _over(self) -> ShapeError:
         assert self._sum is not None
@@ -186,10 +200,23 @@ def over(name: str, total: float) -> IpmError:
 
 
 def out_of_range(program: ir.Program, production: ir.Production, amount: float) -> IpmError:
-    """The error of a percentage or weight below 0."""
-    kind = "chance" if production.chance is None else production.chance[0]
-    message = f"{told(program, production)}: a {kind} is {amount:g}, but must be 0 or more"
-    return fail("out-of-range", message)
+    """The error of a percentage or weight below 0, infinite or NaN."""
+    weight = production.chance is not None and production.chance[0] == "weight"
+    name = f"{told(program, production)}: its {'weight' if weight else 'percentage'}"
+    if math.isnan(amount):
+        return fail("not-a-number", f"{name} is not a number")
+    return fail("out-of-range", f"{name} is {amount:g}, but must be a number from 0 on")
+
+
+def no_truth(program: ir.Program, production: ir.Production, count: int = 1) -> IpmError:
+    """The error of a guard that is NaN for so many shapes."""
+    shapes = "" if count == 1 else f" for {count:,} shapes"
+    return fail(
+        "not-a-number",
+        f"{told(program, production)}: its guard is neither true nor false{shapes}",
+        hint="it hangs on what is not a number, such as 0 / 0 or the root of less than 0; "
+        "`x > 0 and sqrt(x) < 2` is false where x is less than 0",
+    )
 
 
 def fresh(batch: Batch) -> Batch:

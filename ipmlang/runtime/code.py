@@ -42,6 +42,7 @@ Single: TypeAlias = Callable[
     [Sequence[float], int, int, Mapping[int, int], Sequence[float], Data], tuple[float, ...]
 ]
 
+SOUND = frozenset({"param", "index", "uniform", "count"})  # the numbers that these give are finite
 INFIX = {"add": "+", "sub": "-", "mul": "*"}  # the same bits in numpy and in Python
 
 

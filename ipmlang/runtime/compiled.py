@@ -5,6 +5,7 @@ In go the setting of a run, out come functions by production or symbol. Nothing 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TypeAlias, cast
 
@@ -17,7 +18,7 @@ from ipmlang.runtime.bodies import (
     Writer,
 )
 from ipmlang.runtime.chains import Chain, Drawing, tail_of, walk_of
-from ipmlang.runtime.choose import OVER, out_of_range, over
+from ipmlang.runtime.choose import OVER, no_truth, out_of_range, over
 from ipmlang.runtime.code import compile_values, source
 from ipmlang.runtime.motion import State
 from ipmlang.runtime.primitives import UnscannableError, function, names_for
@@ -114,7 +115,7 @@ class Compiled:
         first = productions[0][1]
         if first.chance is None and first.guard is None:
             return lambda params, k0, k1: numbers[0]
-        guards = [self._single(each.guard) for _, each in productions]
+        guards = [self._guard(each) for _, each in productions]
         chances = [
             None if each.chance is None else self._single((each.chance[1], each.chance[2]))
             for _, each in productions
@@ -125,18 +126,20 @@ class Compiled:
             taken, total, drawn = -1, 0.0, -1.0
             shares: dict[int, float] | None = None
             for place, (number, _) in enumerate(productions):
-                guard = guards[place]
-                if guard is not None and not guard(params, k0, k1):
+                guard, chance = guards[place], chances[place]
+                if kinds[place] == "weight":
+                    if shares is None:
+                        shares = self._shares(productions, guards, chances, params, k0, k1)
+                    if number not in shares:
+                        continue
+                    share = shares[number]
+                elif guard is not None and not guard(params, k0, k1):
                     continue
-                chance = chances[place]
-                if chance is None:
+                elif chance is None:
                     taken = number if taken < 0 else taken
                     break
-                if kinds[place] == "percent":
-                    share = self._amount(number, chance(params, k0, k1)) / 100
                 else:
-                    shares = shares or self._shares(productions, guards, chances, params, k0, k1)
-                    share = shares[number]
+                    share = self._amount(number, chance(params, k0, k1)) / 100
                 if drawn < 0:
                     drawn = keys.choice_single(k0, k1)
                 total += share
@@ -151,7 +154,7 @@ class Compiled:
     def _shares(
         self,
         productions: list[tuple[int, ir.Production]],
-        guards: list[Callable[..., float] | None],
+        guards: list[Callable[..., bool] | None],
         chances: list[Callable[..., float] | None],
         params: tuple[float, ...],
         k0: int,
@@ -167,9 +170,23 @@ class Compiled:
         return {number: weight / total if total else 0.0 for number, weight in weights.items()}
 
     def _amount(self, number: int, amount: float) -> float:
-        if not amount >= 0:
+        if not 0 <= amount < math.inf:
             raise out_of_range(self._program, self.production(number), amount)
         return amount
+
+    def _guard(self, production: ir.Production) -> Callable[..., bool] | None:
+        if production.guard is None:
+            return None
+        _, single = compile_values(production.guard[0], (production.guard[1],))
+        attrs, data = self._setting.attrs, self._setting.data
+
+        def guard(params: tuple[float, ...], k0: int, k1: int) -> bool:
+            truth = single(params, k0, k1, {}, attrs, data)[0]
+            if truth != truth:
+                raise no_truth(self._program, production)
+            return truth != 0
+
+        return guard
 
     def _single(
         self, code: tuple[tuple[ir.Instruction, ...], int] | None

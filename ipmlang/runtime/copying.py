@@ -6,6 +6,7 @@ other are found by segmented scans. Nothing is drawn or made here.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -34,6 +35,21 @@ class Copying:
         """A scale's factor must be above 0."""
         if not np.all(np.asarray(value) > 0):
             raise self.counted.error("scale-not-positive", "`*` needs a factor above 0")
+
+    def finite(self, value: Column, name: str, shown: Numbers | None = None) -> None:
+        """An argument of an operation must be a finite number, in the rows that are shown."""
+        if math.isfinite(np.minimum.reduce(value, axis=None, initial=0.0)) and math.isfinite(
+            np.maximum.reduce(value, axis=None, initial=0.0)
+        ):
+            return
+        wrong = np.flatnonzero(~np.isfinite(np.atleast_1d(value)))
+        if shown is not None and np.ndim(value):
+            wrong = np.intersect1d(wrong, shown)
+        elif shown is not None and not len(shown):
+            return
+        if len(wrong):
+            message = f"an argument of {name} is not a finite number"
+            raise self.counted.error("not-a-number", message, row=int(wrong[0]))
 
     def counts(self, limit: Column, count: int, shown: Numbers | None = None) -> Numbers:
         """How many copies each row of a batch makes, (count,); a row that is not shown makes none

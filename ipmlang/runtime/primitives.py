@@ -5,6 +5,7 @@ In goes source, out comes a function; the names it may use are listed here. Noth
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from types import CodeType
@@ -78,6 +79,7 @@ def names_for(single: bool) -> dict[str, object]:
         "unit": cosine_and_sine if single else unit,
         "normal": normal,
         "level": level,
+        "isfinite": math.isfinite,
         "copysign": np.copysign,
         "flatnonzero": np.flatnonzero,
         "arange": np.arange,

@@ -239,6 +239,9 @@ class Rewriter:
         limit = batch.column(each.args[0])
         if not np.isfinite(limit).all():
             raise self._not_finite(production, "the count of a repeat is no", limit)
+        for hole in (batch.get(register) for register in each.args[1:]):
+            if not np.isfinite(hole).all():
+                raise self._not_finite(production, "an argument of except is not a", hole)
         counts = copies_of(limit)
         total = int(min(counts.sum(), 2**62))
         size = sum(self._bytes(inner) for inner in each.body)

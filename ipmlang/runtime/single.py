@@ -149,6 +149,10 @@ class Single:
         """Begin one group; its number."""
         return self._frontier.grouping.begin_one(text, parent, state)
 
+    def finite(self, value: float, name: str) -> None:
+        """An argument of an operation must be a finite number."""
+        self._frontier.finite(value, name)
+
     def factor(self, value: float) -> None:
         """A scale's factor must be above 0."""
         self._frontier.factor(value)

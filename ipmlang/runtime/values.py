@@ -54,7 +54,9 @@ class Bound:
 
 
 class Measures(Protocol):
-    """Who measures geometry."""
+    """Who measures geometry. `first_pass`: answers about other shapes are yet to come."""
+
+    first_pass: bool
 
     def measure(self, what: str, sx: Value, sy: Value, sz: Value, geometry: Value) -> Value:
         """The area, the volume or the number of sides of geometries."""

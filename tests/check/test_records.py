@@ -136,6 +136,42 @@ def test_values(text: str, value: tuple[float, ...]) -> None:
     assert FUNCTIONS[text].single(*value[1:]) == pytest.approx(value[0], abs=1e-15)
 
 
+NONE = math.nan
+KLEENE = {  # what two truth values make: true, false and neither
+    "and": {(1, 1): 1, (1, 0): 0, (1, NONE): NONE, (0, 0): 0, (0, NONE): 0, (NONE, NONE): NONE},
+    "or": {(1, 1): 1, (1, 0): 1, (1, NONE): 1, (0, 0): 0, (0, NONE): NONE, (NONE, NONE): NONE},
+}
+
+
+def alike(one: float, other: float) -> bool:
+    return one == other or (math.isnan(one) and math.isnan(other))
+
+
+@pytest.mark.parametrize("name", KLEENE)
+def test_truth_that_hangs_on_nan_is_nan(name: str) -> None:
+    record = FUNCTIONS[name]
+    for (a, b), wanted in KLEENE[name].items():
+        for given in ((float(a), float(b)), (float(b), float(a))):
+            assert alike(record.single(*given), wanted), given
+            assert alike(float(record.batch(*map(np.array, given))), wanted), given
+
+
+@pytest.mark.parametrize("name", ["lt", "le", "gt", "ge", "eq", "ne"])
+def test_what_is_compared_with_nan_is_nan(name: str) -> None:
+    record = FUNCTIONS[name]
+    for other in (0.0, -3.0, math.inf, -math.inf, NONE):
+        assert math.isnan(record.single(NONE, other)) and math.isnan(record.single(other, NONE))
+    columns = np.array([NONE, 1.0, math.inf, math.inf]), np.array([1.0, NONE, math.inf, -math.inf])
+    assert np.isnan(record.batch(*columns)).tolist() == [True, True, False, False]
+
+
+def test_a_choice_by_nan_is_nan() -> None:
+    select, negation = FUNCTIONS["select"], FUNCTIONS["not"]
+    assert math.isnan(select.single(NONE, 1.0, 1.0)) and math.isnan(negation.single(NONE))
+    chosen = select.batch(np.array([1.0, 0.0, NONE]), np.array([1.0, NONE, 1.0]), 2.0)
+    assert [alike(*each) for each in zip(chosen, (1, 2, NONE), strict=True)] == [True] * 3
+
+
 def test_random_numbers_stay_in_their_bounds() -> None:
     u = np.linspace(0, 1 - 2**-24, 10_001)
     whole = FUNCTIONS["irand"].batch(u, 1, 6)

@@ -74,11 +74,15 @@ def test_steps_and_depth_have_limits() -> None:
             "over-100-percent",
             "A(60) add up to 110",
         ),
-        ("A(x) : 0 - x% --> F\nstart A(5) steps 1", "out-of-range", "rule A (<text>:1): a percent"),
+        (
+            "A(x) : 0 - x% --> F\nstart A(5) steps 1",
+            "out-of-range",
+            "rule A (<text>:1): its percentage is -5",
+        ),
         (
             "A(x) : weight x --> F\nstart A(-1) steps 1",
             "out-of-range",
-            "rule A (<text>:1): a weight",
+            "rule A (<text>:1): its weight is -1",
         ),
         ("A(x) --> B(1 / x)\nB(x) --> F(x)\nstart A(0)", "not-a-number", "argument of B"),
         ("A(x) --> *(x) F\nstart A(0)", "out-of-range", "rule A (<text>:1): `*` needs"),

@@ -95,18 +95,13 @@ NO_NUMBERS = {
     ),
     "a height": "A(x) --> extrude(sqrt(x)) B\nB --> Fill\nstart A(-1) on box(3, 3, 0)",
     "a scope's place": "A(x) --> f(sqrt(x)) B\nB --> Fill\nstart A(-1) on box(3, 3, 3)",
+    "what nobody sees": "A(x) --> B(2) [f(sqrt(x))]\nB(y) --> F(y)\nstart A(-1)",
     "a scope's turn": "A(x) --> +(sqrt(x)) B\nB --> Fill\nstart A(-1) on box(3, 3, 3)",
 }
 AS_NUMPY = {
-    "a guard": "A(x) : sqrt(x) > 0 --> F(1)\nA(x) : else --> F(2)\nstart A(-1)",
-    "not a guard": "A(x) : not (sqrt(x) > 0) --> F(1)\nA(x) : else --> F(2)\nstart A(-1)",
-    "the less of two in a guard": (
-        "A(x) : min(1, sqrt(x)) > 0 --> F(1)\nA(x) : else --> F(2)\nstart A(-1)"
-    ),
     "an infinite part": (
         "A(x) --> split x { 1 / x: B | ~1: B }\nB --> Fill\nstart A(0) on box(3, 3, 3)"
     ),
-    "what nobody sees": "A(x) --> B(2) [f(sqrt(x))]\nB(y) --> F(y)\nstart A(-1)",
 }
 GEOMETRY = {
     "a guard asks": """Town --> split x { { ~3: Lot }* }

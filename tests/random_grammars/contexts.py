@@ -15,11 +15,11 @@ MARKS = ("F", "+", "-", "f", "F(0.5)", "+(17)")
 
 
 class Contexts:
-    """One grammar."""
+    """One grammar. `risk`: of conditions that hang on NaN."""
 
-    def __init__(self, draw: Random) -> None:
+    def __init__(self, draw: Random, risk: float = 0.0) -> None:
         self.draw = draw
-        self.values = Values(draw)
+        self.values = Values(draw, risk)
 
     def grammar(self) -> str:
         """A whole file."""

@@ -42,10 +42,11 @@ Names = Sequence[Value]
 
 
 class Values:
-    """Expressions from one source of chance."""
+    """Expressions from one source of chance. `risk`: how many conditions may hang on NaN."""
 
-    def __init__(self, draw: Random) -> None:
+    def __init__(self, draw: Random, risk: float = 0.0) -> None:
         self.draw = draw
+        self.risk = risk
         self.functions: list[Function] = []
 
     def number(
@@ -82,6 +83,8 @@ class Values:
     def condition(self, names: Names, depth: int = 0) -> str:
         """A truth value that comes out alike on every machine."""
         draw = self.draw
+        if self.risk and draw.random() < self.risk:
+            return self.risky(names, depth)
         truths = [each.text for each in names if each.kind == "truth"]
         texts = [each.text for each in names if each.kind == "text"]
         kind = draw.random()
@@ -100,6 +103,21 @@ class Values:
             return f"{one.text} {draw.choice(('<', '<=', '>', '>='))} {middle}"
         other = self._value(names, 2, exact=True, fixed=False)
         return f"{one.text} {draw.choice(('<', '<=', '>', '>=', '==', '!='))} {other.text}"
+
+    def risky(self, names: Names, depth: int = 0) -> str:
+        """A condition that may hang on a number that is none, or only seem to."""
+        known = [each for each in names if each.kind == "number" and each.exact]
+        one = self.draw.choice([*known, Value("irand(0, 2)", 0, 2)])
+        low = _shown(round(self.draw.uniform(one.low, one.high)))
+        rest = f"({one.text} - {low})"
+        none = self.draw.choice((f"sqrt{rest}", f"mod(1, {rest})", f"{rest} / {rest}"))
+        asked = f"{none} {self.draw.choice(('<', '<=', '>', '>=', '==', '!='))} 0.9"
+        other = self.condition(names, 2) if depth < 2 else "true"
+        return self.draw.choice((
+            asked, f"not ({asked})", f"({rest} > 0 and {asked})", f"({rest} <= 0 or {asked})",
+            f"({other} and {asked})", f"({asked} or {other})",
+            f"(if {asked} then {other} else true)",
+        ))  # fmt: skip
 
     # ------------------------------------------------------------------------- parts
 

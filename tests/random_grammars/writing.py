@@ -96,11 +96,12 @@ class Writer:
     tables: list[tuple[str, tuple[Value, ...], int]] = field(default_factory=list)
     symbols: list[Symbol] = field(default_factory=list)
     settable: list[str] = field(default_factory=list)
+    risk: float = 0.0
     values: Values = field(init=False)
     dropped: tuple[str, ...] = field(init=False)
 
     def __post_init__(self) -> None:
-        self.values = Values(self.draw)
+        self.values = Values(self.draw, self.risk)
         share = self.draw.choice((0.2, 0.7, 0.95))
         self.dropped = tuple(word for word in RARE if self.draw.random() < share)
 
@@ -203,6 +204,9 @@ class Writer:
     def _guards(self, place: Place, again: bool) -> tuple[str, ...]:
         """Guards of the alternatives of a symbol; the last one is not recursive."""
         draw, values = self.draw, self.values
+        if self.risk and draw.random() < 0.5:
+            risky = values.risky(place.names)
+            return (f" : n > 0 and {risky}" if again else f" : {risky}", " : else")
         if again:
             weight = values.number(0.2, 4, place.names, exact=True)
             return draw.choice(

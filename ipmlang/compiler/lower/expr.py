@@ -7,6 +7,7 @@ numbered in the order of the code. Makes no modules and knows no operation.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias, assert_never
@@ -284,6 +285,8 @@ class Code:
 
     def _choice(self, expr: ast.If, names: Environment) -> Operand:
         condition = self.value(expr.condition, names)
+        if isinstance(condition, Known) and math.isnan(condition.value):
+            return condition
         if isinstance(condition, Known):
             return self.value(expr.value if condition.value else expr.other, names)
         value = self.value(expr.value, names)

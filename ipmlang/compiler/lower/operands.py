@@ -1,12 +1,12 @@
 """The arguments of an operation on scopes, in the order of its form, with what was left out.
 
 In go a record and what was written, out come operands. Words and names of assets become numbers
-here; a parameter that nobody gave is its default, or NaN, which the operation reads as "not given".
+here; a parameter that nobody gave is its default, which may be a number that operations read as
+"not given".
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 from ipmlang.compiler import ast
@@ -30,20 +30,8 @@ def operands(
         if given is None:
             found.append(Known(float(defaults[param.name])))
         else:
-            value = _operand(code, param, given, names)
-            found.append(_told(code, value) if _may_lack(param) else value)
+            found.append(_operand(code, param, given, names))
     return found
-
-
-def _may_lack(param: Param) -> bool:
-    """Whether NaN stands for a number that nobody gave."""
-    return param.optional and not param.words and param.type in ("number", "int")
-
-
-def _told(code: Code, value: Operand) -> Operand:
-    """A number that was given: where none comes of it, it is infinite, not left out."""
-    known = code.call("eq", (value, value))
-    return code.call("select", (known, value, Known(math.inf)))
 
 
 def form_for(record: Operation, args: Sequence[ast.Argument]) -> tuple[Param, ...]:

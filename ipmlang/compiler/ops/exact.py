@@ -1,8 +1,11 @@
 """Bodies of the functions that give the same bits everywhere: arithmetic, comparison, rounding.
 
 Each comes twice, for f64 arrays and for Python floats, with the same result bit for bit; neither
-warns, and what has no value is NaN. Truth values are 1.0 and 0.0. Comparisons snap: a and b are
-equal when |a - b| <= 1e-9 * max(|a|, |b|), so that 3 * 3.2 is not greater than 9.6.
+warns, and what has no value is NaN. Comparisons snap: a and b are equal when
+|a - b| <= 1e-9 * max(|a|, |b|), so that 3 * 3.2 is not greater than 9.6. Truth values are 1.0 and
+0.0, and NaN where a NaN is compared; `and`, `or` and `not` are those of Kleene's strong logic
+(*Introduction to Metamathematics*, 1952, section 64): false with anything is false, true or
+anything is true, and what hangs on a NaN is NaN.
 """
 
 from __future__ import annotations
@@ -78,10 +81,17 @@ def neg_one(a: float) -> float:
 
 
 def _same(a: Batch, b: Batch) -> NDArray[np.bool_]:
+    return _snapped(a, b)[0]
+
+
+def _snapped(a: Batch, b: Batch) -> tuple[NDArray[np.bool_], bool]:
+    """Which a and b are equal, snapped, and whether all gaps are finite: then none is NaN."""
     gap = np.abs(np.subtract(a, b))
-    near = gap <= SNAP * np.maximum(np.abs(a), np.abs(b))
-    found: NDArray[np.bool_] = (np.asarray(a) == b) | (near & (gap < np.inf))
-    return found
+    near: NDArray[np.bool_] = gap <= SNAP * np.maximum(np.abs(a), np.abs(b))
+    finite = gap < np.inf
+    if finite.all():
+        return near, True
+    return (np.asarray(a) == b) | (near & finite), False
 
 
 def _same_one(a: float, b: float) -> bool:
@@ -89,48 +99,72 @@ def _same_one(a: float, b: float) -> bool:
     return a == b or (gap <= SNAP * max(abs(a), abs(b)) and gap < math.inf)
 
 
+def has_nan(*columns: Batch | float) -> bool:
+    """Whether a NaN is among numbers: the least of them is NaN then, one pass without a column."""
+    return any(
+        column != column
+        if isinstance(column, float)
+        else math.isnan(np.minimum.reduce(column, axis=None, initial=np.inf))
+        for column in columns
+    )
+
+
+def _compared(found: NDArray[np.bool_], sure: bool, a: Batch, b: Batch) -> Batch:
+    """The truth values of a comparison; NaN beside a NaN, unless there is none for `sure`."""
+    truth = found.astype(np.float64)
+    return truth if sure else np.where(np.isnan(a) | np.isnan(b), nan, truth)
+
+
 def eq(a: Batch, b: Batch) -> Batch:
     """Whether a and b are equal, snapped."""
     with quiet():
-        return _same(a, b).astype(np.float64)
+        same, sure = _snapped(a, b)
+        return _compared(same, sure, a, b)
 
 
 def eq_one(a: float, b: float) -> float:
     """Whether a and b are equal, snapped."""
-    return float(_same_one(a, b))
+    return nan if a != a or b != b else float(_same_one(a, b))
 
 
 def ne(a: Batch, b: Batch) -> Batch:
     """Whether a and b differ, snapped."""
     with quiet():
-        return (~_same(a, b)).astype(np.float64)
+        same, sure = _snapped(a, b)
+        return _compared(~same, sure, a, b)
 
 
 def ne_one(a: float, b: float) -> float:
     """Whether a and b differ, snapped."""
-    return float(not _same_one(a, b))
+    return nan if a != a or b != b else float(not _same_one(a, b))
 
 
 def lt(a: Batch, b: Batch) -> Batch:
     """Whether a is less than b and not equal to it, snapped."""
     with quiet():
-        return (np.less(a, b) & ~_same(a, b)).astype(np.float64)
+        same, sure = _snapped(a, b)
+        return _compared(np.less(a, b) & ~same, sure, a, b)
 
 
 def lt_one(a: float, b: float) -> float:
     """Whether a is less than b and not equal to it, snapped."""
-    return float(a < b and not _same_one(a, b))
+    if a < b:
+        return float(not _same_one(a, b))
+    return 0.0 if a >= b else nan
 
 
 def le(a: Batch, b: Batch) -> Batch:
     """Whether a is less than b or equal to it, snapped."""
     with quiet():
-        return (np.less(a, b) | _same(a, b)).astype(np.float64)
+        same, sure = _snapped(a, b)
+        return _compared(np.less(a, b) | same, sure, a, b)
 
 
 def le_one(a: float, b: float) -> float:
     """Whether a is less than b or equal to it, snapped."""
-    return float(a < b or _same_one(a, b))
+    if a > b:
+        return float(_same_one(a, b))
+    return 1.0 if a <= b else nan
 
 
 def gt(a: Batch, b: Batch) -> Batch:
@@ -154,43 +188,55 @@ def ge_one(a: float, b: float) -> float:
 
 
 def both(a: Batch, b: Batch) -> Batch:
-    """Whether a and b both hold."""
-    return (np.not_equal(a, 0) & np.not_equal(b, 0)).astype(np.float64)
+    """Whether a and b both hold; NaN where that hangs on a NaN."""
+    found = np.not_equal(a, 0) & np.not_equal(b, 0)
+    truth = found.astype(np.float64)
+    return np.where(found & (np.isnan(a) | np.isnan(b)), nan, truth) if has_nan(a, b) else truth
 
 
 def both_one(a: float, b: float) -> float:
-    """Whether a and b both hold."""
-    return float(a != 0 and b != 0)
+    """Whether a and b both hold; NaN where that hangs on a NaN."""
+    if a == 0 or b == 0:
+        return 0.0
+    return 1.0 if a == a and b == b else nan
 
 
 def either(a: Batch, b: Batch) -> Batch:
-    """Whether a or b holds."""
+    """Whether a or b holds; NaN where that hangs on a NaN."""
+    if has_nan(a, b):
+        return negation(both(negation(a), negation(b)))
     return (np.not_equal(a, 0) | np.not_equal(b, 0)).astype(np.float64)
 
 
 def either_one(a: float, b: float) -> float:
-    """Whether a or b holds."""
-    return float(a != 0 or b != 0)
+    """Whether a or b holds; NaN where that hangs on a NaN."""
+    if (a != 0 and a == a) or (b != 0 and b == b):
+        return 1.0
+    return 0.0 if a == 0 and b == 0 else nan
 
 
 def negation(a: Batch) -> Batch:
-    """Whether a does not hold."""
-    return np.equal(a, 0).astype(np.float64)
+    """Whether a does not hold; NaN for NaN."""
+    truth = np.equal(a, 0).astype(np.float64)
+    return np.where(np.isnan(a), nan, truth) if has_nan(a) else truth
 
 
 def negation_one(a: float) -> float:
-    """Whether a does not hold."""
-    return float(a == 0)
+    """Whether a does not hold; NaN for NaN."""
+    return float(a == 0) if a == a else nan
 
 
 def select(condition: Batch, value: Batch, other: Batch) -> Batch:
-    """`value` where the condition holds, else `other`."""
-    return np.where(np.not_equal(condition, 0), value, other)
+    """`value` where the condition holds, else `other`; NaN where the condition is."""
+    found = np.where(np.not_equal(condition, 0), value, other)
+    return np.where(np.isnan(condition), nan, found) if has_nan(condition) else found
 
 
 def select_one(condition: float, value: float, other: float) -> float:
-    """`value` where the condition holds, else `other`."""
-    return value if condition != 0 else other
+    """`value` where the condition holds, else `other`; NaN where the condition is."""
+    if condition == condition:
+        return value if condition != 0 else other
+    return nan
 
 
 def least(*values: Batch) -> Batch:
@@ -319,7 +365,7 @@ def tiles(length: Batch, size: Batch) -> Batch:
         length, size = np.asarray(length, np.float64), np.asarray(size, np.float64)
         least = np.maximum(floor(np.divide(length, size)), 1.0)
         middle = (length / least + length / (least + 1.0)) / 2
-        found = least + lt(size, middle)
+        found = least + (np.less(size, middle) & ~_same(size, middle))
         return np.where((length > 0) & (size > 0), found, 0.0 * (length + size))
 
 

@@ -6,6 +6,7 @@ operation is adding a record to one of the tables of this package.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
@@ -17,6 +18,7 @@ ValueType: TypeAlias = Literal[
     "number", "int", "bool", "string", "color", "vector", "asset", "symbol", "context", "any"
 ]
 Family: TypeAlias = Literal["turtle", "pen", "scope", "split", "solid", "docking", "marching"]
+NOT_GIVEN = -sys.float_info.max  # an argument that was left out: a number that no model needs
 Effect: TypeAlias = Literal["motion", "pen", "draw", "scope", "structure"]
 
 

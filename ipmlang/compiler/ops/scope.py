@@ -6,10 +6,17 @@ is one that no executor runs yet: `run` names it.
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
-from ipmlang.compiler.ops.record import Effect, Family, Operation, Param, Step, ValueType
+from ipmlang.compiler.ops.record import (
+    NOT_GIVEN,
+    Effect,
+    Family,
+    Operation,
+    Param,
+    Step,
+    ValueType,
+)
 
 _XYZ = (Param("x"), Param("y"), Param("z"))
 _AXIS = Param("axis", "string", words=("x", "y", "z"))
@@ -45,7 +52,7 @@ def scoped(
         doc,
         forms=forms,
         synonyms=synonyms,
-        defaults=tuple((name, math.nan) for name in _optional(forms)),
+        defaults=tuple((name, NOT_GIVEN) for name in _optional(forms)),
         meaning=made if act or meaning else (),
         labels=labels,
         bare=bare,
@@ -58,7 +65,7 @@ def scoped(
 
 
 def _optional(forms: tuple[tuple[Param, ...], ...]) -> dict[str, None]:
-    """The parameters that may be left out: these are NaN then, and the operation knows best."""
+    """The parameters that may be left out: the operation knows best what it does then."""
     return dict.fromkeys(param.name for form in forms for param in form if param.optional)
 
 

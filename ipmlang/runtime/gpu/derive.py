@@ -13,10 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.compiler import ir
+from ipmlang.compiler.diagnostics import IpmError
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.drawings import Chunk
 from ipmlang.runtime.frontier import Frontier
 from ipmlang.runtime.gpu import isa
+from ipmlang.runtime.gpu.device import is_of_card
 from ipmlang.runtime.gpu.encode import calls_of
 from ipmlang.runtime.gpu.geometries import Geometries
 from ipmlang.runtime.gpu.isa import FINAL, HEADER, TERMINAL, Header, Terminal
@@ -42,7 +44,7 @@ def derive_gpu(
 ) -> Scene | None:
     """Derive a program with the graphics card; None where none of its rules can run there.
 
-    Raises IpmError as the frontier does, and where there is no card or it fails.
+    Raises IpmError where there is no card, or it fails.
     """
     calls = calls_of(program)
     kept: list[GpuFrontier] = []
@@ -54,6 +56,10 @@ def derive_gpu(
     try:
         scene = derived(program, attrs, seed, limits, begin=begin)
     except TroubleError:  # all of it is the CPU's
+        return None
+    except IpmError as error:  # numpy finds the error that users know, among those there may be
+        if is_of_card(error):
+            raise
         return None
     if scene is None or not any(each.ran for each in kept):
         return None

@@ -7,11 +7,13 @@ GPU raises `UnsupportedError`; nothing is guessed.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from ipmlang.compiler import ir
 from ipmlang.compiler.ops import FUNCTIONS
+from ipmlang.runtime.code import SOUND
 from ipmlang.runtime.fields import FRAME, SCOPE
 from ipmlang.runtime.gpu import shaping
 from ipmlang.runtime.gpu.functions import calls
@@ -35,6 +37,7 @@ class Elements:
         self.words = words
         self.room = room
         self._last: ir.Instruction | None = None  # the child that ends a body
+        self._sound: set[int] = set()  # registers of the body whose numbers are finite
         self._breaks = 0  # whether it may be broken off: not while productions are chosen
         self._slots = {name: number for number, name in enumerate(room.fields)}
 
@@ -137,8 +140,20 @@ class Elements:
 
     # ------------------------------------------------------------------------------ values
 
+    def _check(self, registers: Iterable[int], names: Names) -> None:
+        """Code that looks whether what is given is finite, where that is not known. Numpy looks at
+        what stands in a hole where modules thread, and not elsewhere.
+        """
+        for register in registers:
+            known = names.known.get(register)
+            if register not in self._sound and (known is None or not math.isfinite(known)):
+                threads = self.words.calls == "threads"
+                self.words.put(Op.CHECK, a=names.registers[register], n=threads)
+
     def _value(self, each: ir.Instruction, names: Names) -> bool:
         """Code for one value; whether it takes a register of its own."""
+        if each.op in SOUND:
+            self._sound.add(each.out)
         if each.out in names.registers:
             return False
         if each.op == "param":
@@ -298,7 +313,10 @@ class Elements:
         assert isinstance(each.const, int)
         symbol = self.words.program.symbols[each.const]
         args = tuple(names.registers[register] for register in each.args)
-        if not (symbol.productions or symbol.interpretation):
+        inlined = not (symbol.productions or symbol.interpretation)
+        if inlined or self.words.calls == "threads":
+            self._check(each.args, names)
+        if inlined:
             known = {
                 number: names.known[register]
                 for number, register in enumerate(each.args) if register in names.known
@@ -350,6 +368,7 @@ class Elements:
         first = len(self.room.fields)
         places = {own: first + place for place, own in enumerate(given)}
         inner = Elements(self.words, Room(self.room.fields, len(given), reserved=1))
+        inner._sound = set(self._sound)
         inner._breaks = 1
         index = first + len(given)
         own = Names(
@@ -396,6 +415,7 @@ class Elements:
         shown = names.shown
         index = names.copies[-1][1]
         for hole in each.args[1:]:
+            self.words.put(Op.CHECK, a=names.registers[hole], n=1)
             differs = self.room.new()
             self.words.put(Op.DIFFER, out=differs, a=names.registers[hole], b=index)
             if shown is not None:

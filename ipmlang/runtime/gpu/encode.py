@@ -165,9 +165,11 @@ def _choice(words: Words, symbol: int, productions: Sequence[int]) -> int:
     if first.guard is None and first.chance is None:
         return bodies[0][0]
     start = words.here
-    weights = _total(words, alternatives)
+    weights: int | None = None
     taking: list[int] = []
     for place, (number, production) in enumerate(alternatives):
+        if _weighted(production) and weights is None:
+            weights = _total(words, alternatives)
         words.production = number
         elements = Elements(words, Room(words.fields, production.parameters, reserved=1))
         skip = _guarded(words, elements, production)
@@ -195,11 +197,9 @@ def _weighted(production: ir.Production) -> bool:
     return production.chance is not None and production.chance[0] == "weight"
 
 
-def _total(words: Words, alternatives: Sequence[tuple[int, ir.Production]]) -> int | None:
+def _total(words: Words, alternatives: Sequence[tuple[int, ir.Production]]) -> int:
     """Code that adds up the weights of what may be taken; the register that has the sum."""
     weighted = [(number, each) for number, each in alternatives if _weighted(each)]
-    if not weighted:
-        return None
     total = len(words.fields) + weighted[0][1].parameters
     words.put(Op.LOAD, out=total, z=words.constant(0.0))
     for number, production in weighted:
@@ -209,6 +209,7 @@ def _total(words: Words, alternatives: Sequence[tuple[int, ir.Production]]) -> i
         skip = _guarded(words, elements, production)
         assert production.chance is not None
         weight = elements.values(production.chance[1], production.chance[2])
+        words.put(Op.CHECK, a=weight, n=2)
         elements.called("add", total, (total, weight))
         if skip is not None:
             words.patch(skip, 2)

@@ -1,9 +1,9 @@
 // The functions of the language, one for each record of the table: function_<name of the record>.
 //
 // Each gives what the record's numpy body gives: the same bits if the record is exact, else within
-// a few ulp. What has no value is NaN; truth values are 1 and 0; comparisons snap. Operands of
-// angles are degrees. Here every function takes a fixed number of arguments: what a call leaves
-// out, and lists of any length, are laid out by functions.py.
+// a few ulp. What has no value is NaN; truth values are 1 and 0, and NaN where that hangs on a NaN;
+// comparisons snap. Operands of angles are degrees. Here every function takes a fixed number of
+// arguments: what a call leaves out, and lists of any length, are laid out by functions.py.
 
 // ---- arithmetic ---------------------------------------------------------------------------
 
@@ -32,25 +32,35 @@ bool is_less(double a, double b) { return !is_nan(a) && !is_nan(b) && a < b && !
 
 bool is_at_most(double a, double b) { return !is_nan(a) && !is_nan(b) && (a < b || same(a, b)); }
 
-double function_lt(double a, double b) { return truth(is_less(a, b)); }
+// The truth value of a comparison of a and b: NaN beside a NaN.
+double compared(bool found, double a, double b) {
+    return is_nan(a) || is_nan(b) ? no_number() : truth(found);
+}
 
-double function_le(double a, double b) { return truth(is_at_most(a, b)); }
+double function_lt(double a, double b) { return compared(is_less(a, b), a, b); }
 
-double function_gt(double a, double b) { return truth(is_less(b, a)); }
+double function_le(double a, double b) { return compared(is_at_most(a, b), a, b); }
 
-double function_ge(double a, double b) { return truth(is_at_most(b, a)); }
+double function_gt(double a, double b) { return compared(is_less(b, a), a, b); }
 
-double function_eq(double a, double b) { return truth(same(a, b)); }
+double function_ge(double a, double b) { return compared(is_at_most(b, a), a, b); }
 
-double function_ne(double a, double b) { return truth(!same(a, b)); }
+double function_eq(double a, double b) { return compared(same(a, b), a, b); }
 
-double function_and(double a, double b) { return truth(holds(a) && holds(b)); }
+double function_ne(double a, double b) { return compared(!same(a, b), a, b); }
 
-double function_or(double a, double b) { return truth(holds(a) || holds(b)); }
+double function_and(double a, double b) {
+    return holds(a) && holds(b) ? compared(true, a, b) : 0.0lf;
+}
 
-double function_not(double a) { return truth(!holds(a)); }
+double function_not(double a) { return compared(!holds(a), a, a); }
+
+double function_or(double a, double b) {
+    return function_not(function_and(function_not(a), function_not(b)));
+}
 
 double function_select(double condition, double value, double other) {
+    if (is_nan(condition)) return no_number();
     return holds(condition) ? value : other;
 }
 

@@ -38,7 +38,7 @@ class Op(IntEnum):
     LEVEL = 14
     SIZE = 15  # the scope's extents become (a, b, c)
     SLAB = 16  # the part of the scope from a on, b long, along axis z; to w where there is none
-    ZERO = 17  # to z where a is 0
+    ZERO = 17  # to z where a is 0; NaN is trouble
     SHOW = 18  # nothing is made from here on where a is 0
     EMIT = 19  # draw asset z for symbol w; n: no size, (a, b, c), or the scope's
     CHILD = 20  # a shape of symbol z, its n arguments in the registers listed at w
@@ -51,6 +51,7 @@ class Op(IntEnum):
     CENTER = 27  # to the point of the box whose shares data has at z; n: back from there
     FLIP = 28  # the scope is mirrored within itself along axis z, if MIRROR comes next
     FETCH = 29  # out = what the channel of a context whose data code[z] leads to is at (a, b)
+    CHECK = 30  # a must be finite where something is made; n: everywhere; 2: and not below 0
     FACES = 31  # out = how many faces of the scope's box the part with table z takes
     RULE = 32  # production z is applied from here on
     SHARE = 33  # alternative z is taken with a chance of a, unless one before it was

@@ -45,7 +45,7 @@ bool is_ordinary(double a) {
     return field != EXPONENT_BITS && field != 0u;
 }
 
-// Truth: all but the two zeros; NaN too, as for numpy.
+// All but the two zeros; NaN too, as for numpy.
 bool holds(double a) {
     uvec2 words = unpackDouble2x32(a);
     return ((words.y & ~SIGN_BIT) | words.x) != 0u;

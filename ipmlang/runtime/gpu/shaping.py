@@ -6,11 +6,11 @@ to the CPU when it is met. A name that is not here has no body on the GPU.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from ipmlang.compiler import ir
+from ipmlang.compiler.ops.record import NOT_GIVEN
 from ipmlang.runtime.gpu.isa import Op
 from ipmlang.runtime.gpu.unsupported import UnsupportedError
 from ipmlang.runtime.scopes.pool import BOX
@@ -63,7 +63,7 @@ def face_split(each: ir.Instruction, known: Given) -> int:
     """The number of an operation that takes the faces of boxes apart."""
     assert isinstance(each.const, tuple)
     name, number, _ = each.const
-    if name != "comp" or any(not math.isnan(known.get(arg, 0.0)) for arg in each.args):
+    if name != "comp" or any(known.get(arg) != NOT_GIVEN for arg in each.args):
         raise UnsupportedError(str(name), "its parts are made on the CPU")
     assert isinstance(number, int)
     return number
@@ -73,7 +73,7 @@ def _text(elements: Elements, name: str, known: Given, place: int) -> str | None
     """The text that an argument is in all shapes; None where it is not given."""
     if place not in known:
         raise UnsupportedError(name, "its words differ from shape to shape")
-    if math.isnan(known[place]):
+    if known[place] == NOT_GIVEN:
         return None
     return elements.words.program.strings[int(known[place])]
 

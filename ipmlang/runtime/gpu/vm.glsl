@@ -199,7 +199,14 @@ void run(uint at, uint action) {
             case OP_LEVEL: level(); break;
             case OP_SIZE: resize(dvec3(ra, rb, rc)); break;
             case OP_SLAB: if (!slab(z, ra, rb)) at = w; break;
-            case OP_ZERO: if (ra == 0.0lf) at = z; break;
+            case OP_ZERO:
+                if (is_nan(ra)) trouble(TROUBLE_NOT_FINITE);
+                else if (ra == 0.0lf) at = z;
+                break;
+            case OP_CHECK:
+                if ((shown || n != 0u) && !is_finite(ra)) trouble(TROUBLE_NOT_FINITE);
+                else if (n == 2u && ra < 0.0lf) trouble(TROUBLE_SHARES);
+                break;
 #ifdef PER_SEED
             case OP_SHOW: shown = ra != 0.0lf && !absent; break;
 #else

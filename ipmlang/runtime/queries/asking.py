@@ -66,7 +66,7 @@ class Asking(Unwrapping):
     def later(self, number: Column, before: Column) -> Column:
         """The phase that shapes are expanded in from now on."""
         values = np.asarray(number)
-        if not np.all((values >= 1) & (values == np.floor(values)) & np.isfinite(values)):
+        if not np.all((values >= 1) & (values == np.floor(values))):
             raise self.counted.error("not-a-phase", "phases are the whole numbers from 1 on")
         return np.maximum(number, np.maximum(before, FIRST))
 
@@ -85,11 +85,15 @@ class Asking(Unwrapping):
         state: Mapping[str, Column],
         shown: Rows,
     ) -> Column:
-        """The answers to a query for every row of a batch, or for those shown."""
+        """The answers to a query for every row of a batch, or for those shown; NaN to one that asks
+        about NaN.
+        """
         if name in OCCLUSION and self.answers is None:
             return FAR if name == "distance" else 0.0
         rows = np.arange(count) if shown is None else shown
         columns = [np.broadcast_to(np.asarray(arg, np.float64), (count,))[rows] for arg in args]
+        unknown = np.isnan(np.sum(columns, axis=0)) if columns else np.zeros(len(rows), np.bool_)
+        columns = [np.where(unknown, -1.0, column) for column in columns]
         marks = np.broadcast_to(np.asarray(state[FIELD]), (count,))[rows].astype(np.int64)
         none = np.full(len(rows), -1.0)
         label = (columns[0] if columns else none).astype(np.int64)
@@ -102,6 +106,7 @@ class Asking(Unwrapping):
             whole = columns.pop(1) if name == "share" else none
             within = (columns[1] if len(columns) > 1 else none).astype(np.int64)
             own = self._before().answer(name, marks, label, whole, within)
+        own = np.where(unknown, np.nan, own)
         if shown is None:
             return own
         found = np.zeros(count)

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ipmlang.compiler import ir
+from ipmlang.compiler.ops.record import NOT_GIVEN
 from ipmlang.runtime.choose import told
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.limits import Counted
@@ -65,12 +66,12 @@ class Snapping(Asking):
         rows = np.arange(count) if shown is None else shown
         given = Given(self.program, self.pool, "snap", args, count)
         names, axes, places = (full(each, count) for each in args)
-        places = np.where(np.isnan(places), -1.0, places)
+        places = np.where(places == NOT_GIVEN, -1.0, places)
         pairs = np.unique(np.stack([axes[rows], places[rows]], axis=1), axis=0)
         for axis, place in pairs.tolist():
             own = rows[(axes[rows] == axis) & (places[rows] == place)]
             with self._telling():
-                _, word, where = given.resolved([0.0, axis, np.nan if place < 0 else place])
+                _, word, where = given.resolved([0.0, axis, NOT_GIVEN if place < 0 else place])
             for share in PLACES[str(where or "start")]:
                 self._snap(AXES.index(str(word)), share, names, own, state)
 
@@ -168,7 +169,7 @@ class Snapping(Asking):
         self._check_snap(names[rows], reach[rows])
         own = {name: full(value, count) for name, value in state.items()}
         beside = self._beside(axis, names, within, own)
-        reach = np.where(np.isnan(reach), np.inf, reach)
+        reach = np.where(reach == NOT_GIVEN, np.inf, reach)
         low, size = moved(pieces, beside, reach[pieces.row], extent[pieces.row])
         index, many = _numbered(pieces.row)
         found = []
@@ -188,7 +189,7 @@ class Snapping(Asking):
                 "a split snaps to lines of earlier phases, and this is the first one",
                 hint="let the shape that splits wait for those that make the lines: phase(2) Floor",
             )
-        if (reach < 0).any():
+        if ((reach < 0) & (reach != NOT_GIVEN)).any():
             raise self.counted.error("out-of-range", "`reach` of `split` must be 0 or more")
         self._asked.update((self.counted.rule, self.phase, name) for name in asked)
 
@@ -198,7 +199,7 @@ class Snapping(Asking):
         """Who knows the lines next to places along an axis of scopes, in their coordinates."""
         origin, along, scale = _axis(state, axis)
         mark = state[FIELD].astype(np.int64)
-        labels = np.where(np.isnan(within), -1, within).astype(np.int64)
+        labels = np.where(within == NOT_GIVEN, -1, within).astype(np.int64)
         known: list[tuple[int, Standing, Axes]] = []
         for label in map(int, distinct(labels)[0].tolist()):
             standing = self._seen_within(label)

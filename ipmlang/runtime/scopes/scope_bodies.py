@@ -154,6 +154,7 @@ def pieces(writer: Writer, each: ir.Instruction, scope: Scope, state: State) -> 
     assert isinstance(each.const, tuple)
     name, number, site = each.const
     assert isinstance(number, int)
+    writer.check(each, str(name), scope)
     args = [scope.registers[arg] for arg in each.args]
     names = [name for name in state if name in FRAME or name in (*SCOPE, TRIM)]
     selectors = tuple(part.const for part in each.body if part.op == "part")
@@ -179,6 +180,7 @@ def snapped(writer: Writer, each: ir.Instruction, scope: Scope, state: State) ->
     assert isinstance(each.const, tuple)
     axis, number, _ = each.const
     assert isinstance(number, int)
+    writer.check(each, "split", scope)
     args = [scope.registers[arg] for arg in each.args]
     names = (*MOVED, *SCOPE)
     many = sum(part.op == "part" for part in each.body)

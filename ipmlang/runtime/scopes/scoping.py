@@ -381,11 +381,8 @@ class Scoping(Copying):
         if shown is not None:
             keys, values = keys[shown], values[shown]
         for number in distinct(keys)[0].tolist():
-            key, own = self.program.strings[int(number)], values[keys == number]
-            if not np.isfinite(own).all():
-                message = f'it reports what is no finite number under "{key}"'
-                raise self.counted.error("not-a-number", message)
-            self.reports.values.setdefault(key, []).append(own)
+            key = self.program.strings[int(number)]
+            self.reports.values.setdefault(key, []).append(values[keys == number])
 
     # ------------------------------------------------------------------------ trouble
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ipmlang.compiler import ir
 from ipmlang.compiler.ops import OPERATIONS
-from ipmlang.compiler.ops.record import Param
+from ipmlang.compiler.ops.record import NOT_GIVEN, Param
 from ipmlang.geometry.solid import BOX_TAGS, GeometryError, Solid
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.primitives import unit
@@ -53,12 +53,11 @@ class Given:
 
     def _one(self, param: Param, value: float) -> Value:
         if not abs(value) < LARGEST:
-            if param.optional and math.isnan(value):
+            if param.optional and value == NOT_GIVEN:
                 return None
             what = "too large a number" if math.isfinite(value) else "not a finite number"
             raise GeometryError(f"`{param.name}` of `{self.name}` is {what}")
-        text = bool(param.words) or param.type == "string"
-        return self._text(param, value) if text else value
+        return self._text(param, value) if _is_text(param) else value
 
     def _text(self, param: Param, value: float) -> str:
         found = self.program.strings[int(value)]
@@ -71,17 +70,21 @@ class Given:
     def word(self, place: int) -> str | None:
         """A text that is the same for all shapes; None where it is not given."""
         found = np.ravel(np.asarray(self.args[place], np.float64))
-        if (found[1:] != found[:-1]).any() and not np.isnan(found).all():
+        if (found[1:] != found[:-1]).any():
             raise GeometryError(f"the words of `{self.name}` must be the same for all shapes")
-        return None if np.isnan(found[0]) else self._text(self._params[place], float(found[0]))
+        return None if found[0] == NOT_GIVEN else self._text(self._params[place], float(found[0]))
 
     def texts(self) -> list[int]:
         """The places of arguments that are texts, and not the same for all shapes."""
         return [
             place
             for place, (param, arg) in enumerate(zip(self._params, self.args, strict=True))
-            if (param.words or param.type == "string") and len(distinct(np.asarray(arg))[0]) > 1
+            if _is_text(param) and len(distinct(np.asarray(arg))[0]) > 1
         ]
+
+
+def _is_text(param: Param) -> bool:
+    return bool(param.words) or param.type == "string"
 
 
 def _params(name: str, count: int) -> tuple[Param, ...]:
@@ -183,7 +186,8 @@ def _inserted(given: Given, state: State, asset: int) -> State:
     low, high = given.pool.asset_bounds(asset)
     natural = high - low
     fit = given.word(1) or "scope"
-    keep = np.nan_to_num(full(given.args[2], given.count)) != 0
+    kept = full(given.args[2], given.count)
+    keep = (kept != 0) & (kept != NOT_GIVEN)
     align = given.word(3) or ("corner" if fit == "none" else "middle")
     scope = [full(state[name], given.count) for name in SIZES]
     # an axis along which either has no extent says nothing of how much the asset is scaled
