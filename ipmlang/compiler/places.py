@@ -49,7 +49,9 @@ def only(table: ast.Table, shape: str) -> ast.Table:
 def choices(table: ast.Table) -> ast.Table:
     """The column `shape` alone, its symbols as numbers of `shapes_of`."""
     column, known = table.columns.index(SHAPE), shapes_of(table)
-    number = {ast.Name(name): ast.Number(float(k)) for k, name in enumerate(known)}
+    number: dict[ast.Expr, ast.Expr] = {
+        ast.Name(name): ast.Number(float(k)) for k, name in enumerate(known)
+    }
     rows = tuple((number[row[column]],) for row in table.rows)
     return replace(table, columns=(SHAPE,), rows=rows)
 

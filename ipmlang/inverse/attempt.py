@@ -16,6 +16,7 @@ from ipmlang.formats.drawing import Drawing
 from ipmlang.inverse.compare import Comparison
 from ipmlang.inverse.deviations import rule_errors
 from ipmlang.inverse.explanation import Explanation, explain
+from ipmlang.inverse.folding import rules_drawn
 from ipmlang.inverse.grammar_file import (
     Subject,
     Written,
@@ -169,13 +170,29 @@ def _ideal(goal: Goal, flat: Written) -> Goal:
 
 
 def _written_out(found: Found, elements: int) -> list[Attempt]:
-    """The rules as they are printed, and with every digit."""
+    """The rules with parameters, as they were found, and with every digit."""
     book, exact = found.book, replace(found.subject, share=1e-12)
     counts, tokens = _counts(book, elements), found.written.tokens
     return [
+        *_folded(found, counts, elements),
         Attempt("rules", lambda: found.written, counts, tokens, found.written.spared),
         Attempt("rules", lambda: write_grammar(book, exact), counts, tokens, found.written.spared),
     ]
+
+
+def _folded(found: Found, counts: Counts, elements: int) -> list[Attempt]:
+    """The rules with parameters, where that is shorter."""
+    if counts.rules == 0:
+        return []
+    written = write_grammar(found.book, replace(found.subject, folded=True))
+    if written.folded is None or written.ruled >= found.written.ruled:
+        return []
+    if written.tokens > found.written.tokens:
+        return []
+    drawn = rules_drawn(written.folded.rules).values()
+    explained = counts.explained - written.folded.loose / max(1, elements)
+    own = Counts(len(drawn), sum(often > 1 for often in drawn), explained)
+    return [Attempt("rules", lambda: written, own, written.tokens, written.spared)]
 
 
 def _recursive(subject: Subject) -> list[Attempt]:

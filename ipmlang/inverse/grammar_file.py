@@ -23,6 +23,7 @@ from ipmlang.formats.svg import table_xml
 from ipmlang.formats.svg.parts import write_parts
 from ipmlang.inverse.build import Builder, Painted
 from ipmlang.inverse.coats import merged_styles
+from ipmlang.inverse.folding import Folded, fold
 from ipmlang.inverse.joined_tables import join_tables
 from ipmlang.inverse.lsystem.patterns import Pattern
 from ipmlang.inverse.naming import (
@@ -51,7 +52,8 @@ SHARE = 1e-8  # of the diagonal: what one rounded number may move a point by
 @dataclass(frozen=True, eq=False)
 class Written:
     """The tree, what prints the parts file, how many cells that file's tables have, and what these
-    weigh, see `weight`; how many tokens tables of many things spare.
+    weigh, see `weight`; how many tokens tables of many things spare; folded: what rules with
+    parameters changed.
     """
 
     grammar: ast.Grammar
@@ -59,6 +61,7 @@ class Written:
     table_tokens: int
     table_weight: float
     spared: float = 0.0
+    folded: Folded | None = None
 
     @property
     def tokens(self) -> int:
@@ -107,13 +110,16 @@ def digits_weight(number: str) -> float:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Subject:
-    """What a file is made from: `share` of the diagonal bounds the rounding of its numbers."""
+    """What a file is made from: `share` of the diagonal bounds the rounding of its numbers; folded:
+    whether rules that differ in numbers alone become one.
+    """
 
     observed: Observation
     instanced: Instanced
     stem: str
     share: float = SHARE
     use_tables: bool = True
+    folded: bool = False
 
 
 def write_grammar(book: Book, subject: Subject) -> Written:
@@ -129,11 +135,18 @@ def write_grammar(book: Book, subject: Subject) -> Written:
     reach = measure(book, radius, subject.share * subject.observed.diagonal)
     builder = Builder(book, reach, named, effects, names, axiom, painted, subject.use_tables)
     rules, placed = join_tables(builder.rules(), builder.tables)
-    spared = 0.0
-    if subject.use_tables:
-        rules, listed, spared = with_schedules(rules, frozenset(named.values()), names)
-        placed = [*placed, *listed]
     order = _order_table(book, names)
+    folded, spared = None, 0.0
+    if subject.folded:
+        taken = {*(named[k] for k in named if k < len(terminals))}
+        taken |= {each.name for each in (*placed, *order)}
+        taken |= {each.name for each in builder.attributes}
+        folded = fold(rules, reach.error, taken)
+        rules = list(folded.rules)
+    if subject.use_tables:
+        things = frozenset(named.values()) | {rule.head.name for rule in rules}
+        rules, listed, spared = with_schedules(rules, things, names)
+        placed = [*placed, *listed]
     tables, stored, cells = stored_tables([*placed, *order], subject)
     items: list[ast.Item] = [ast.Version(1), *canvas(subject.observed)]
     assets = [number for number in named if number < len(terminals)]
@@ -144,6 +157,7 @@ def write_grammar(book: Book, subject: Subject) -> Written:
     items += builder.attributes
     if subject.use_tables:
         staying = {name for number, name in named.items() if number not in book.repeats()}
+        staying |= {rule.head.name for rule in rules} - set(named.values())
         rules = [with_walks(rule, staying) for rule in rules]
     rules, begin = _started(rules)
     items += [spaced(rule, first=k == 0) for k, rule in enumerate(rules)]
@@ -153,7 +167,7 @@ def write_grammar(book: Book, subject: Subject) -> Written:
         shown = {named[k]: [asset_element(terminals[k], book.assets.get(k))] for k in assets}
         return write_parts(shown, effects=shown_effects, tables=stored)
 
-    return Written(ast.Grammar(tuple(items)), parts, *cells, spared)
+    return Written(ast.Grammar(tuple(items)), parts, *cells, spared, folded)
 
 
 def _order_table(book: Book, names: Names) -> list[ast.Table]:

@@ -1,0 +1,10 @@
+"""Rules that differ in numbers alone become one rule with parameters, and steps become repeats.
+
+Takes rules as they are printed, gives fewer and shorter ones that draw the same in the same order;
+`fold` is the entry. Nothing here knows drawings, frames of shapes, or how rules were found.
+"""
+
+from ipmlang.inverse.folding.counting import rules_drawn
+from ipmlang.inverse.folding.fold import Folded, fold
+
+__all__ = ["Folded", "fold", "rules_drawn"]

@@ -1,0 +1,164 @@
+"""Folds rules: stretches of rows that differ in numbers alone become one rule with parameters.
+
+Takes printed rules; tries from several levels of detail, the largest rules written out or not, and
+gives the shortest result by tokens. Nothing here fits numbers or prints rows.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence, Set
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from ipmlang.compiler import ast
+from ipmlang.inverse.folding.book import Book, Stretch, read_book, written_out
+from ipmlang.inverse.folding.candidates import candidates
+from ipmlang.inverse.folding.printing import printed, printed_tokens
+from ipmlang.inverse.folding.rows import Row
+from ipmlang.inverse.folding.templates import HEAD, Rounding, Template, best_template, rounding
+
+# Stretches by the rows that are in them, which are kept so that no other row gets their number.
+Fitted: TypeAlias = "tuple[list[tuple[Row, ...]], tuple[Template, int] | None]"
+Known = dict[tuple[int, ...], Fitted]
+
+LEAST = 6  # tokens that a rule must save
+ROUNDS = 24  # in each of which rules are found that do not meet
+ALIKE = 0.5  # of what the best rule of a round saves another one must save
+TRIED = 24  # candidates of a round that are looked at closely
+LEVELS = 6  # sizes above which rules are written out first
+MOST_ROWS = 3000  # rows among which stretches are looked for
+
+
+@dataclass(frozen=True, slots=True)
+class Folded:
+    """Rules that draw the same, the axiom first; spared: tokens that they take less; loose: how
+    many more terminals stand in the axiom itself.
+    """
+
+    rules: tuple[ast.Rule, ...]
+    spared: int = 0
+    loose: int = 0
+
+
+def fold(rules: Sequence[ast.Rule], error: float, taken: Set[str]) -> Folded:
+    """The shortest of what folding finds; error: units, what a number may be off; taken: names
+    that rules and parameters may not have.
+    """
+    given, known = rounding(error), Known()
+    first = read_book(rules)
+    before, loose = printed_tokens(rules), first.loose()
+    best = Folded(tuple(rules))
+    for book in _levels(first, given):
+        if sum(len(rows) for _, _, rows in book.stretches()) > MOST_ROWS:
+            continue
+        _merge(book, given, known)
+        made = printed(book, given, taken)
+        spared = before - printed_tokens(made)
+        if spared > best.spared:
+            best = Folded(made, spared, book.loose() - loose)
+    return best
+
+
+def _levels(book: Book, given: Rounding) -> Iterator[Book]:
+    """The book as it is, then with its largest rules written out, then smaller ones too."""
+    yield book.copy()
+    sizes = _sizes(book)
+    sizes = {name: size for name, size in sizes.items() if not book.stays(name)}
+    distinct = sorted(set(sizes.values()), reverse=True)
+    steps = np.unique(np.linspace(0, len(distinct) - 1, LEVELS).astype(int)) if distinct else ()
+    for step in steps:
+        level = book.copy()
+        large = [name for name, size in sizes.items() if size >= distinct[step]]
+        level.write_out(large, given)
+        yield level
+
+
+def _sizes(book: Book) -> dict[str, int]:
+    """How many terminals and fixed rules each plain rule draws."""
+    sizes: dict[str, int] = {}
+    for name in book.inmost_first():
+        sizes[name] = sum(sizes.get(part, 1) * often for part, often in book.named_in(name).items())
+    return sizes
+
+
+def _merge(book: Book, given: Rounding, known: Known) -> None:
+    """Put the stretches that save most into rules, round by round."""
+    number = 0
+    for _ in range(ROUNDS):
+        found = _best(book, given, known)
+        put: dict[Stretch, Row] = {}
+        touched: set[str] = set()
+        for stretches, template in found:
+            name, number = f"<{number}>", number + 1
+            wish = _wish(book, stretches, template)
+            put |= zip(stretches, template.call_rows(name), strict=True)
+            touched |= {name, *(each.rule for each in stretches)}
+            touched |= {row.name for row in template.rows}
+            book.add(name, template, wish)
+        if not found:
+            break
+        book.put(put)
+        _write_out_poor(book, touched, given)
+
+
+def _best(book: Book, given: Rounding, known: Known) -> list[tuple[list[Stretch], Template]]:
+    """The stretches that save most as one rule, and others that save hardly less elsewhere."""
+    found: list[tuple[int, list[Stretch], Template]] = []
+    most = LEAST / ALIKE
+    for bound, stretches in candidates(book, TRIED):
+        if bound < most * ALIKE:
+            break
+        fitted = _fitted([book.rows_at(each) for each in stretches], given, known)
+        if fitted is not None and fitted[1] >= LEAST:
+            found.append((fitted[1], stretches, fitted[0]))
+            most = max(most, fitted[1])
+    found.sort(key=lambda each: -each[0])
+    chosen: list[tuple[list[Stretch], Template]] = []
+    taken: list[Stretch] = []
+    for saved, stretches, template in found:
+        apart = not any(each.meets(other) for each in stretches for other in taken)
+        if saved >= most * ALIKE and apart:
+            chosen.append((stretches, template))
+            taken += stretches
+    return chosen
+
+
+def _fitted(
+    stretches: list[tuple[Row, ...]], given: Rounding, known: Known
+) -> tuple[Template, int] | None:
+    """The template of some stretches, looked for once."""
+    key = tuple(id(row) for rows in stretches for row in rows)
+    if key not in known:
+        known[key] = stretches, best_template(stretches, given)
+    return known[key][1]
+
+
+def _wish(book: Book, stretches: Sequence[Stretch], template: Template) -> str:
+    """A name for the rule of these stretches: of the rule that most of it stood in before."""
+    first = stretches[0]
+    if len(book.plain[first.rule]) == first.count and not first.path and first.rule != book.axiom:
+        return book.wishes.get(first.rule, first.rule)
+    origins = Counter(row.origin for row in template.rows if row.origin)
+    most = origins.most_common(1)[0][0] if origins else ""
+    return book.wishes.get(most, most)
+
+
+def _write_out_poor(book: Book, names: Set[str], given: Rounding) -> None:
+    """Write out those of some rules that no longer save enough."""
+    for name in [name for name in book.inmost_first() if name in names]:
+        if name in book.plain and _excess(book, name, given) > -LEAST:
+            book.write_out([name], given)
+
+
+def _excess(book: Book, name: str, given: Rounding) -> int:
+    """Tokens that a rule adds to those of what it says where it is called."""
+    calls, rows = book.calls(name), book.plain[name]
+    if calls is None or book.stays(name):
+        return -LEAST
+    cost = HEAD + sum(row.tokens for row in (*calls, *rows))
+    if len(calls) * len(rows) >= cost + LEAST:
+        return -LEAST
+    return cost - sum(row.tokens for call in calls for row in written_out(call, rows, given))

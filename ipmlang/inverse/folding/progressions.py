@@ -1,0 +1,149 @@
+"""Rows that go on by equal steps, as repeats: `repeat(i < 3) { [at(70, 400 - 120 * i) A] }`.
+
+Takes rows; gives elements, with a repeat, or a repeat in a repeat, wherever that is shorter. Any
+number of a row may change by an equal step, its arguments too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence, Set
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipmlang.compiler import ast
+from ipmlang.inverse.folding.rows import Row, element, element_tokens, plain
+from ipmlang.inverse.folding.templates import FINE, TURNED, Rounding, labels_of
+from ipmlang.inverse.numbers import linear
+
+Floats = NDArray[np.float64]
+VARIABLES = ("i", "j")
+LEAST = 2  # tokens that a repeat must save
+FEWEST = 3  # rows that can be told to go on by equal steps
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Grid:
+    """lines × length rows that begin at a row: row i, j is first + i * across + j * along."""
+
+    lines: int
+    length: int
+    across: Floats
+    along: Floats
+
+    @property
+    def rows(self) -> int:
+        """How many there are."""
+        return self.lines * self.length
+
+
+def with_repeats(
+    rows: Sequence[Row], given: Rounding, leaving: Set[str]
+) -> tuple[ast.Element, ...]:
+    """The rows as elements, what goes on by equal steps as repeats."""
+    return tuple(_elements(rows, given, leaving))
+
+
+def _elements(rows: Sequence[Row], given: Rounding, leaving: Set[str]) -> Iterator[ast.Element]:
+    start = 0
+    while start < len(rows):
+        end = start + 1
+        while end < len(rows) and rows[end].kind == rows[start].kind:
+            end += 1
+        if rows[start].placed and end - start >= FEWEST:
+            yield from _run(rows[start:end], given, leaving)
+        else:
+            yield from (_one(row, given, leaving) for row in rows[start:end])
+        start = end
+
+
+def _one(row: Row, given: Rounding, leaving: Set[str]) -> ast.Element:
+    """A row by itself, what is in it with repeats."""
+    made = plain(row, leaving)
+    if not row.inner or not isinstance(made, ast.Bracket):
+        return made
+    inner = with_repeats(row.inner, given, leaving)
+    return ast.Bracket((*made.body[: len(made.body) - len(row.inner)], *inner))
+
+
+def _run(rows: Sequence[Row], given: Rounding, leaving: Set[str]) -> Iterator[ast.Element]:
+    """Rows of one kind."""
+    table = np.array([row.numbers for row in rows])
+    errors = np.array([FINE if word in TURNED else given.error for word in labels_of(rows[0])])
+    start = 0
+    while start < len(rows):
+        best: tuple[int, int, ast.Element] | None = None
+        for grid in _grids(table[start:], errors):
+            made = _repeat(rows[start], table[start], grid, given, leaving)
+            alone = sum(row.tokens for row in rows[start : start + grid.rows])
+            saved = alone - element_tokens(made)
+            if saved >= LEAST and (best is None or saved > best[0]):
+                best = saved, grid.rows, made
+        if best is None:
+            yield _one(rows[start], given, leaving)
+            start += 1
+        else:
+            yield best[2]
+            start += best[1]
+
+
+def _grids(table: Floats, errors: Floats) -> Iterator[_Grid]:
+    """What the first rows (n, h) could be: a row, or lines of equal length."""
+    if len(table) < FEWEST:
+        return
+    along = table[1] - table[0]
+    index = np.arange(len(table))[:, None]
+    off = (np.abs(table - table[0] - along * index) > errors).any(axis=1)
+    length = int(np.argmax(off)) if off.any() else len(table)
+    if length >= FEWEST:
+        yield _Grid(1, length, along, along)
+    if 2 <= length <= len(table) // 2:
+        across = table[length] - table[0]
+        wanted = table[0] + along * (index % length) + across * (index // length)
+        wrong = (np.abs(table - wanted) > errors).any(axis=1)
+        lines = (int(np.argmax(wrong)) if wrong.any() else len(table)) // length
+        if lines >= 2:
+            yield _Grid(lines, length, across, along)
+
+
+def _repeat(
+    first: Row, numbers: Floats, grid: _Grid, given: Rounding, leaving: Set[str]
+) -> ast.Element:
+    """The repeat of a grid whose first row has these numbers."""
+    outer, inner = VARIABLES
+    values: list[ast.Expr] = []
+    steps = zip(numbers.tolist(), grid.across.tolist(), grid.along.tolist(), strict=True)
+    for start, across, along in steps:
+        across, along = (round(each, given.places) + 0.0 for each in (across, along))
+        if grid.lines == 1:
+            values.append(linear(start, along, outer, (0.0, 0.0)))
+        else:
+            values.append(_sum(start, ((across, outer), (along, inner))))
+    body = element(first, values, leaving)
+    if not isinstance(body, ast.Bracket):
+        body = ast.Bracket((body,))
+    if grid.lines == 1:
+        return _counted(outer, grid.length, body)
+    return _counted(outer, grid.lines, _counted(inner, grid.length, body))
+
+
+def _counted(variable: str, count: int, body: ast.Element) -> ast.Repeat:
+    return ast.Repeat(ast.Count(variable, ast.Number(float(count))), (body,))
+
+
+def _sum(start: float, terms: Sequence[tuple[float, str]]) -> ast.Expr:
+    """`start + a * i - b * j`, what is nothing left out."""
+    made: ast.Expr | None = ast.Number(start) if start else None
+    for slope, name in sorted(terms, key=lambda each: each[0] < 0 and not start):
+        if not slope:
+            continue
+        if made is None:
+            made = linear(0.0, slope, name, (0.0, 0.0))
+            continue
+        size = abs(slope)
+        term: ast.Expr = ast.Name(name)
+        if size != 1:
+            term = ast.Binary("*", ast.Number(size), term)
+        made = ast.Binary("+" if slope > 0 else "-", made, term)
+    return ast.Number(0.0) if made is None else made

@@ -1,0 +1,120 @@
+"""Rules that differ in numbers alone become one rule with parameters, and draw what they drew."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import ipmlang
+from ipmlang.compiler import ast
+from ipmlang.compiler.diagnostics import Source
+from ipmlang.compiler.format import format_grammar
+from ipmlang.compiler.parse import parse
+from ipmlang.compiler.tokens import count_text_tokens
+from ipmlang.inverse.folding import fold
+from ipmlang.inverse.folding.printing import printed_tokens
+
+THINGS = "Box --> [F(2)]\nDot --> [F(1)]\nBar --> [F(3)]\n"
+CELL = "[at({}, {}) Box] [at({}, {}) Dot] [at({}, {}) Bar] [at({}, {}) Dot]"
+
+
+def rules_of(text: str) -> list[ast.Rule]:
+    grammar, problems = parse(Source("<text>", text))
+    assert not problems
+    return [item for item in grammar.items if isinstance(item, ast.Rule)]
+
+
+def folded(text: str) -> str:
+    """The text with its rules folded; what is drawn and what it takes are checked on the way."""
+    rules = rules_of(text)
+    found = fold(rules, 1e-5, set())
+    made = format_grammar(ast.Grammar(found.rules))
+    assert printed_tokens(rules) == count_text_tokens(format_grammar(ast.Grammar(tuple(rules))))
+    assert printed_tokens(found.rules) == count_text_tokens(made)
+    assert found.spared == printed_tokens(rules) - printed_tokens(found.rules)
+    np.testing.assert_allclose(drawn(made), drawn(text), atol=1e-4)
+    return made
+
+
+def drawn(text: str) -> np.ndarray:
+    """(n, …) what the text draws, in order."""
+    head = "ipm 1\ncanvas (0, 0, 100, 100)\n"
+    scene = ipmlang.parse(f"{head}{text}\n{THINGS}start Drawing\n").run()
+    found = scene.instances
+    return np.column_stack([found.position, found.rotation, found.scale, found.size])
+
+
+def cell(x: float, y: float, lean: float) -> str:
+    """A box with a dot, a bar that leans, and a dot twice as far."""
+    places = (x, y, x + 3, y + lean, x + 20, y - 4, x + 8, y + 2 * lean)
+    return CELL.format(*places)
+
+
+def test_stretches_that_differ_in_a_number_are_one_rule() -> None:
+    cells = [(10, 20, 1), (31, 22, 5), (7, 60, 3), (50, 41, 2)]
+    made = folded(f"Drawing --> {' '.join(cell(*each) for each in cells)}\n")
+    assert "[at(10, 20) Motif(1)] [at(31, 22) Motif(5)]" in made
+    assert "Motif(y) --> Box [at(3, y) Dot] [at(20, -4) Bar] [at(8, 2 * y) Dot]" in made
+
+
+def test_calls_that_go_on_by_equal_steps_are_a_repeat_of_repeats() -> None:
+    cells = [cell(10 + 30 * i, 90 - 20 * j, j + 1) for i in range(3) for j in range(4)]
+    made = folded(f"Drawing --> {' '.join(cells)}\n")
+    assert "repeat(i < 3) {" in made
+    assert "[at(10 + 30 * i, 90 - 20 * j) Motif(1 + j)]" in made
+
+
+def test_rules_that_differ_in_a_number_are_one() -> None:
+    text = "Drawing --> [at(1, 2) A] [at(9, 4) B] [at(5, 7) C] [at(8, 8) A] [at(3, 3) B]\n"
+    for name, lean in (("A", 2), ("B", 5), ("C", 8)):
+        text += f"{name} --> Box Bar [at(4, {lean}) Dot] Bar [at(7, {lean + 1}) Dot] Bar Dot\n"
+    made = folded(text)
+    assert "[at(1, 2) A(2)]" in made
+    assert "A(y)    -->" in made
+    assert "B " not in made
+
+
+def test_rules_are_written_out_where_that_shows_what_they_share() -> None:
+    # The same cells, but every other one was found as a rule with its neighbour.
+    pairs = ((1, 2), (4, 3), (2, 5), (6, 1))
+    body, rules = "", ""
+    for number, (one, two) in enumerate(pairs):
+        body += f"[at(10, {20 * number}) Pair{number}] {cell(60, 20 * number, two)} "
+        rules += f"Pair{number} --> {cell(0, 0, one)}\n"
+    made = folded(f"Drawing --> {body}\n{rules}")
+    assert made.count("Box") == 1
+
+
+def test_turned_stretches_are_placed_by_their_turn() -> None:
+    def turned(x: float, y: float, angle: float) -> str:
+        a = np.deg2rad(angle)
+        dot = np.round([x + 3 * np.cos(a), y + 3 * np.sin(a)], 6)
+        bar = np.round([x - 5 * np.sin(a), y + 5 * np.cos(a)], 6)
+        return (
+            f"[at({x}, {y}, {angle}) Box] [at({dot[0]}, {dot[1]}, {angle}) Dot]"
+            f"[at({bar[0]}, {bar[1]}, {angle}) Bar]"
+        )
+
+    cells = [turned(20, 20, 10), turned(50, 31, 55), turned(32, 80, -20)]
+    made = folded(f"Drawing --> {' '.join(cells)}\n")
+    assert "[at(20, 20, 10) Motif] [at(50, 31, 55) Motif] [at(32, 80, -20) Motif]" in made
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "[at(1, 2) Box] [at(3, 9) Dot] [at(8, 4) Box] [at(2, 7) Dot]",  # would be no shorter
+        "Box Dot Bar",
+        "[at(1, 2) Box] [at(2, 2) Box] [at(4, 2) Box]",  # no equal steps
+    ],
+)
+def test_what_a_rule_would_not_shorten_stays(body: str) -> None:
+    text = f"Drawing --> {body}"
+    assert fold(rules_of(text), 1e-5, set()).rules == tuple(rules_of(text))
+
+
+def test_what_moves_the_turtle_keeps_its_bracket() -> None:
+    steps = [f"[at({x}, {y}) Row] [at({x + 9}, {y}) Box] [at({x}, {y + 2}) Dot]" for x, y in
+             ((3, 4), (40, 11), (22, 60), (71, 33))]  # fmt: skip
+    made = folded(f"Drawing --> {' '.join(steps)}\nRow --> repeat(i < 3) {{ [Box] f(2) }}\n")
+    assert "Motif   --> [Row] [at(9, 0) Box]" in made
