@@ -44,7 +44,7 @@ from ipmlang.inverse.ways import (
 LEAST_REGULAR = 0.3  # of the flat tokens: what is shorter needs no other look
 ROW = 2  # tokens that a row of a table counts for beyond those it takes: rules can be changed
 LEFT = 4  # placements of one symbol that a lattice could say
-NOISE_TOKENS = 1.1  # times as many tokens a regular grammar with residuals may have
+NOISE_TOKENS = 1.25  # times as many tokens a regular grammar with residuals may have
 SHORT = 0.1  # of the flat tokens: a recursion that no other rules will beat
 FEW = 600  # elements for which a second look costs hardly any time
 
@@ -131,7 +131,7 @@ def best_grammar(
             attempts.append(tables)
         attempts.sort(key=lambda each: each.tokens + each.more)
         # The paper's pairs, and rows that noise and paint order make long, are what was asked for.
-        if not asked:
+        if not (asked or _weighs_less(found, flat_file)):
             attempts = [each for each in attempts if each.tokens <= flat_tokens]
     finest = replace(plain, share=1e-15)
     attempts.append(Attempt("flat", lambda: flat_file, none, flat_tokens))
@@ -159,6 +159,13 @@ def _better(found: Found, regular: list[Found], symmetrize: bool) -> Found:
     if symmetrize:
         return min(better, key=lambda each: (-round(ruled[id(each)], 2), each.written.weight))
     return min(better, key=lambda each: each.written.weight)
+
+
+def _weighs_less(found: Found, flat: Written) -> bool:
+    """Whether lattices with residuals of few digits say less than placements of many, though in no
+    fewer numbers.
+    """
+    return bool(found.book.lattices) and found.written.weight <= flat.weight
 
 
 def _ideal(goal: Goal, flat: Written) -> Goal:

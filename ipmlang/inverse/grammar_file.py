@@ -38,7 +38,7 @@ from ipmlang.inverse.numbers import number as literal
 from ipmlang.inverse.observation import Observation
 from ipmlang.inverse.reach import measure
 from ipmlang.inverse.schedules import with_schedules
-from ipmlang.inverse.score import INLINE_ROWS
+from ipmlang.inverse.score import DIGITS, INLINE_ROWS
 from ipmlang.inverse.simplify import AXIOM, Book
 from ipmlang.inverse.terminals import Instanced, asset_element
 from ipmlang.inverse.walks import with_walks
@@ -46,6 +46,7 @@ from ipmlang.inverse.wording import arrangement, plain_row
 
 _STRING = re.compile(r'"(?:[^"\\\n]|\\[^\n])*"|//[^\n]*')
 _NUMBER = re.compile(r"(?<![\w.])[0-9]+(?:\.[0-9]+)?")
+_SIGN = re.compile(r"(?:[(,]|^)\s*-(?=[0-9])", re.MULTILINE)  # a part of its number
 SHARE = 1e-8  # of the diagonal: what one rounded number may move a point by
 
 
@@ -89,8 +90,9 @@ class Written:
         """
         said = tuple(each for each in self.grammar.items if not isinstance(each, ast.Attr))
         text = format_grammar(replace(self.grammar, items=said))
-        numbers = _NUMBER.findall(_STRING.sub("", text))
-        extra = sum(digits_weight(each) - 1 for each in numbers)
+        bare = _STRING.sub("", text)
+        extra = sum(digits_weight(each) - 1 for each in _NUMBER.findall(bare))
+        extra -= len(_SIGN.findall(bare))
         return count_text_tokens(text) + extra + self.table_weight + self.spared
 
     @cached_property
@@ -100,12 +102,12 @@ class Written:
 
 
 def digits_weight(number: str) -> float:
-    """What a number weighs beside a token of 1: a quarter of its digits, at least a half.
+    """What a number weighs beside a token of 1: two thirds of its digits, at least a half.
 
-    >>> digits_weight("3"), digits_weight("129.5705")
-    (0.5, 1.75)
+    >>> digits_weight("3"), digits_weight("129.57")
+    (0.6666666666666666, 3.3333333333333335)
     """
-    return max(0.5, len(number.replace(".", "").lstrip("0")) / 4)
+    return max(0.5, len(number.replace(".", "").lstrip("0")) / DIGITS)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

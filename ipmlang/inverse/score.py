@@ -25,6 +25,7 @@ TABLE_ROWS = 8  # fewer placements of one symbol are written out
 INLINE_ROWS = 24  # a longer table goes to the parts file
 AROUND = 6  # `[at(…) A]` about the numbers of a placement
 TABLE = 23  # `table T(x, y) =` and `repeat(r in T) { [at(r.x, r.y) A] }`
+DIGITS = 1.5  # of a number that weigh as much as a word or a mark: about five bits
 
 
 def placement_tokens(placed: Frames, small: float) -> Integers:

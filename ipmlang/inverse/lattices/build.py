@@ -7,7 +7,7 @@ follow are left out, so they become holes. Nothing here searches for positions.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -15,7 +15,7 @@ import numpy as np
 from ipmlang.inverse.lattices.chains import Chain, closed, few_holes
 from ipmlang.inverse.lattices.cloud import Integers
 from ipmlang.inverse.lattices.columns import Column, Columns, Slack, fit_columns
-from ipmlang.inverse.lattices.models import TURN, Model, at, fit, renumbered
+from ipmlang.inverse.lattices.models import GROWTH, TURN, Model, at, fit, renumbered
 from ipmlang.inverse.lattices.nets import Net, net_at, turned
 from ipmlang.inverse.lattices.order import OrderKind, across, along
 from ipmlang.inverse.lattices.rings import Rings, ring_order, rings_at, wound
@@ -27,6 +27,8 @@ WIDEST = 3.0  # degrees that an angle may be off with noise
 TALLEST = 0.05  # share that a scale may be off with noise
 FEW = 5  # members below which every column must follow a rule
 SURE = 8  # members below which angle or scale must follow a rule where places are noisy
+FAITHFUL = 0.5  # share by which a fitted step may differ from that of the members themselves
+LOOSER = 1.5  # times as far off members may be with the latter
 TIDY: tuple[OrderKind, ...] = ("row-major", "column-major", "boustrophedon", "column-boustrophedon")
 
 
@@ -180,8 +182,36 @@ def of_chain(
         model = model if nest else fit(model, index, _anchors(known, rows))
     model, index = _in_order(closed(model, index), index, known.order[rows])
     columns = _columns(known, rows, flat(index), _turn(model), _step(model, index))
+    model = model if nest else _as_turned(known, model, columns, index, rows)
     order, stride = along(known.order[rows], index)
     return _built(known, _kind(model, nest), model, index, rows, columns, order, stride)
+
+
+def _as_turned(
+    known: Instances, model: Model, columns: Columns, index: Integers, rows: Integers
+) -> Model:
+    """The model with the angular step and growth of its members, where these follow it exactly:
+    noise moves things more often than it turns or scales them.
+    """
+    if model.straight or known.free:
+        return model
+    numbers, held = model.numbers.copy(), []
+    turn, grown = columns.angle, columns.scale
+    near = FAITHFUL * abs(_turn(model))
+    if not model.closed and turn.exact and turn.kind == "regular" and not turn.terms[3]:
+        if abs(turn.terms[1] - _turn(model)) <= near:
+            numbers[TURN] = np.deg2rad(turn.terms[1])
+            held.append(TURN)
+    if model.kind == "log" and grown.exact and grown.geometric:
+        if abs(grown.terms[1] - numbers[GROWTH]) <= FAITHFUL * abs(numbers[GROWTH]):
+            numbers[GROWTH] = grown.terms[1]
+            held.append(GROWTH)
+    if not held:
+        return model
+    places = _anchors(known, rows)
+    tried = fit(replace(model, numbers=numbers, held=tuple(held)), index, places)
+    off, before = (np.abs(places - at(each, index)).max() for each in (tried, model))
+    return tried if off <= max(LOOSER * before, known.exact) else model
 
 
 def of_net(known: Instances, net: Net, points: Integers) -> Lattice | None:

@@ -24,6 +24,7 @@ GROWTHS = 40
 USUAL, TAIL = 0.7, 1.4  # of the noise allowed: where the usual is less, the largest may be more
 SHORT = 6  # members that must be neighbours: rounded drawings make exact chains that short
 NEAREST = 3  # neighbours between which a short exact chain runs
+SMOOTH = 1.0  # Durbin-Watson statistic below which residuals are no noise: 2 where they are
 EARLY, LATE = 2.5, 1.6  # times the noise that a prediction may be off, of few members and of many
 LEAST_EXACT: dict[Kind, int] = {
     "line": 3,
@@ -225,11 +226,25 @@ def believable(known: Cloud, chain: Chain, tests: float) -> bool:
     if not exact and chain.model.kind == "ring" and not chain.model.closed and len(chain) < 6:
         return False
     reach = chain.reach
+    if not exact and _drifts(known, chain):
+        return False
     if not exact:
         noise = float(np.median(allowance(known, chain.model, chain.index, known.loose)))
         reach = max(reach, USUAL * noise)
     odds = likely(known, tests, chain.rows, chain.nodes, chain.model.fixed, reach)
     return odds <= (SELDOM if exact or chain.model.kind == "line" else SELDOM - 1)
+
+
+def _drifts(known: Cloud, chain: Chain) -> bool:
+    """Whether members are off alike where they are neighbours, as where a parabola stands for an
+    arc: another rule would say that, and this one with its residuals says nothing.
+    """
+    off = known.at[chain.rows] - at(chain.model, chain.index)
+    next_to = np.diff(chain.index) == 1
+    if next_to.sum() < SHORT:
+        return False
+    jumps = float(np.mean(np.abs(np.diff(off)[next_to]) ** 2))
+    return jumps < SMOOTH * float(np.mean(np.abs(off) ** 2))
 
 
 def _local(known: Cloud, chain: Chain) -> bool:

@@ -17,15 +17,19 @@ from ipmlang.inverse.lattices.find import find_lattices
 from ipmlang.inverse.lattices.formula import LatticeRule, lattice_rule
 from ipmlang.inverse.lsystem.frames import Floats, Frames, compose, inverse
 from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers, joined
-from ipmlang.inverse.score import AROUND, INLINE_ROWS, TABLE, TABLE_ROWS
+from ipmlang.inverse.score import AROUND, DIGITS, INLINE_ROWS, TABLE, TABLE_ROWS
 
 LEAST = 4  # placements of one symbol among which anything is looked for
 NOISE = 0.015  # of the step: what members may be off and still belong
 ROUNDS = 4  # of looking again at what is left of one symbol
 RULE = 34.0  # tokens of a lattice's rule, usually
 CHANGE = 8.0  # more of one that turns about a centre, of turns and of growth
+CLEARLY = 8.0  # more that a rule with residuals must save: each takes about as much as a place
 RESIDUAL = 10.0  # of what reads a table of residuals
-DIGITS = 4.0  # of a number that weighs as much as another token
+HEADER = 8.0  # of `table T(x, y) =`
+PRINTED = 1 / 30  # of the tolerance: what printed numbers may be off
+PLACES = 9  # decimals that are counted
+BETWEEN = 2.0  # of what stands between the numbers of a row of a table in the text
 
 
 Memory: TypeAlias = "dict[bytes, list[Lattice]]"
@@ -147,7 +151,7 @@ def _beside_numbers(string: Arrangement) -> Floats:
     each row has its share of what the table itself takes.
     """
     sizes = _runs(string)
-    tabled = np.where(sizes <= INLINE_ROWS, 2.0, 0.0) + TABLE / np.maximum(sizes, 1)
+    tabled = np.where(sizes <= INLINE_ROWS, BETWEEN, 0.0) + TABLE / np.maximum(sizes, 1)
     return np.where(sizes >= TABLE_ROWS, np.minimum(tabled, AROUND), AROUND)
 
 
@@ -165,7 +169,7 @@ def _gain(
     alphabet: Alphabet,
 ) -> float:
     """Tokens saved, numbers weighed by their digits."""
-    placed, fine = string.placed[members], alphabet.tolerance
+    placed, fine = string.placed[members], PRINTED * alphabet.tolerance
     reach = max(alphabet[rule.part].radius, fine)
     columns = _columns(placed, fine, reach)
     before = sum(
@@ -180,8 +184,9 @@ def _gain(
     for name in rule.columns:
         after += float(_digits(getattr(rule.residual, name), inside[name]).sum()) / DIGITS
     if rule.columns:
-        # A table of residuals takes as much as the table of places that it stands for.
-        after += RESIDUAL + float(beside[members][beside[members] < AROUND].sum())
+        # Rows of residuals take as much as the rows of places that they stand for.
+        rows = BETWEEN * len(members) if formula.count <= INLINE_ROWS else 0.0
+        after += CLEARLY + RESIDUAL + HEADER + rows + len(rule.holes)
     return float(before - after - _layering(members))
 
 
@@ -217,5 +222,15 @@ def _layering(members: Integers) -> float:
 
 
 def _digits(values: Floats, error: float) -> Floats:
-    """(n,) significant digits that tell a value from others so far apart."""
-    return np.asarray(np.maximum(0.5, np.log10(np.abs(values) / error + 1.0)))
+    """(n,) digits of the shortest decimals within an error.
+
+    >>> _digits(np.array([30.0, -0.25, 1.23456, 0.0]), 1e-3).tolist()
+    [2.0, 2.0, 4.0, 0.5]
+    """
+    digits = np.full(values.shape, np.nan)
+    for places in range(PLACES):
+        tens = np.abs(np.round(values * 10.0**places))
+        near = np.isnan(digits) & (np.abs(np.abs(values) - tens / 10.0**places) <= error)
+        digits[near] = np.floor(np.log10(np.maximum(tens[near], 0.1))) + 1
+    long = np.log10(np.abs(values) * 10.0**PLACES + 1.0)
+    return np.asarray(np.maximum(0.5, np.where(np.isnan(digits), long, digits)))

@@ -25,7 +25,8 @@ TERMS: dict[Kind, int] = {
     "vogel": 6,
 }
 ROUNDS = 12
-TURN = 3  # where the angular step stands among the parameters of what turns
+TURN, GROWTH = 3, 5  # where the angular step and the growth stand among the parameters
+LARGE = 0.9  # of the steps of what shrinks are shorter than the one that noise is a share of
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,12 +34,14 @@ class Model:
     """numbers: line x0 y0 x1 y1, parabola also x2 y2: x = x0 + x1 i + x2 i². The others begin with
     the centre x y, the phase and the step of the angle (radians); then ring radius; log a and g of
     a exp(g i); archimedes a and b of a + b i; vogel k and i0 of k sqrt(i + i0).
-    closed: of a ring, members all around, 0 for an arc; its angular step is held.
+    closed: of a ring, members all around, 0 for an arc; its angular step is held. held: other
+    parameters that are known from elsewhere.
     """
 
     kind: Kind
     numbers: Floats
     closed: int = 0
+    held: tuple[int, ...] = ()
 
     @property
     def straight(self) -> bool:
@@ -84,14 +87,14 @@ def _radius(model: Model, i: Floats) -> tuple[Floats, list[Floats]]:
 
 def spacing(model: Model, index: Integers) -> Floats:
     """(m,) units between neighbours about each index: what noise is a share of. Where steps shrink,
-    noise often does not: it is a share of a usual one.
+    noise often does not: it is a share of a large one.
     """
     if model.kind == "vogel":
         return np.full(len(index), np.sqrt(np.pi) * abs(model.numbers[4]))
     here = at(model, index)
     after, before = np.abs(at(model, index + 1) - here), np.abs(here - at(model, index - 1))
     local = np.minimum(after, before)
-    return np.asarray(np.maximum(local, np.quantile(local, 0.75)) if model.kind == "log" else local)
+    return np.asarray(np.maximum(local, np.quantile(local, LARGE)) if model.kind == "log" else local)
 
 
 def fit(model: Model, index: Integers, places: Complexes) -> Model:
@@ -99,7 +102,8 @@ def fit(model: Model, index: Integers, places: Complexes) -> Model:
     if model.straight:
         return _fit_straight(model, index, places)
     i = np.asarray(index, np.float64)
-    free = np.array([k for k in range(len(model.numbers)) if not (model.closed and k == TURN)])
+    held = (*model.held, TURN) if model.closed else model.held
+    free = np.array([k for k in range(len(model.numbers)) if k not in held])
     best, left = model, _misfit(model, i, places)
     for _ in range(ROUNDS):
         apart = places - at(best, i)

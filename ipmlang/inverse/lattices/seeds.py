@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ipmlang.inverse.lattices.chains import LATE, Chain, Mask, believable, grow
 from ipmlang.inverse.lattices.cloud import Cloud, Integers
-from ipmlang.inverse.lattices.models import TERMS, Kind, at, spacing, start
+from ipmlang.inverse.lattices.models import TERMS, TURN, Kind, Model, at, centre, spacing, start
 from ipmlang.inverse.lsystem.frames import Complexes
 
 ATTEMPTS = 120  # seeds grown in one search
@@ -29,6 +29,7 @@ GROWTH = 1.8  # most that one step is longer than the last
 SEVERAL = 150  # points beyond which noisy bends begin with five members in a row
 BENT: tuple[Kind, ...] = ("ring", "log", "archimedes", "parabola")
 BETTER = 1.3  # times as many members make a noisier or more bent chain the better one
+TAU = 2 * np.pi
 
 
 @dataclass(slots=True, eq=False)
@@ -173,11 +174,34 @@ def find_bends(known: Cloud, used: Mask, share: float, line: Integers) -> list[C
         sure = [each for each in chains if believable(known, each, seeds.tests)]
         if sure:
             best = max(sure, key=lambda each: len(each) - TERMS[each.model.kind] / 2)
+            best = _as_ring(known, best, used, share)
             best = _denser(known, best, used, seeds.tests)
             used[best.rows] = True
             found.append(best)
             seeds.patience = BARREN
     return found
+
+
+def _as_ring(known: Cloud, chain: Chain, used: Mask, share: float) -> Chain:
+    """The ring that a spiral is which winds more than once and does not grow: a seed that had left
+    out every second member goes around twice.
+    """
+    model = chain.model
+    if model.kind not in ("log", "archimedes") or abs(model.numbers[TURN]) * chain.nodes < TAU:
+        return chain
+    arms = known.at[chain.rows] - centre(model)
+    radius, around = float(np.median(np.abs(arms))), np.sort(np.angle(arms) % TAU)
+    gap = float(np.median(np.diff(around)))
+    step = TAU / max(round(TAU / max(gap, 1e-6)), 3)
+    if float(np.ptp(np.abs(arms))) > SLACK * share * radius * step:
+        return chain
+    index = np.round((np.angle(arms) % TAU - around[0]) / step).astype(np.int64)
+    if len(np.unique(index)) < len(index):
+        return chain
+    place = centre(model)
+    first = Model("ring", np.array([place.real, place.imag, around[0], step, radius]))
+    tried = grow(known, first, index, chain.rows, used, share)
+    return chain if tried is None or len(tried) < len(chain) else tried
 
 
 def _bent(
