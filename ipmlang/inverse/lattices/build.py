@@ -197,15 +197,14 @@ def _as_turned(
         return model
     numbers, held = model.numbers.copy(), []
     turn, grown = columns.angle, columns.scale
-    near = FAITHFUL * abs(_turn(model))
-    if not model.closed and turn.exact and turn.kind == "regular" and not turn.terms[3]:
-        if abs(turn.terms[1] - _turn(model)) <= near:
-            numbers[TURN] = np.deg2rad(turn.terms[1])
-            held.append(TURN)
-    if model.kind == "log" and grown.exact and grown.geometric:
-        if abs(grown.terms[1] - numbers[GROWTH]) <= FAITHFUL * abs(numbers[GROWTH]):
-            numbers[GROWTH] = grown.terms[1]
-            held.append(GROWTH)
+    steady = turn.exact and turn.kind == "regular" and not turn.terms[3]
+    for there, known_exactly, value in (
+        (TURN, steady and not model.closed, float(np.deg2rad(turn.terms[1]))),
+        (GROWTH, model.kind == "log" and grown.exact and grown.geometric, grown.terms[1]),
+    ):
+        if known_exactly and abs(value - numbers[there]) <= FAITHFUL * abs(numbers[there]):
+            numbers[there] = value
+            held.append(there)
     if not held:
         return model
     places = _anchors(known, rows)

@@ -94,7 +94,7 @@ def spacing(model: Model, index: Integers) -> Floats:
     here = at(model, index)
     after, before = np.abs(at(model, index + 1) - here), np.abs(here - at(model, index - 1))
     local = np.minimum(after, before)
-    return np.asarray(np.maximum(local, np.quantile(local, LARGE)) if model.kind == "log" else local)
+    return np.maximum(local, np.quantile(local, LARGE)) if model.kind == "log" else local
 
 
 def fit(model: Model, index: Integers, places: Complexes) -> Model:
