@@ -196,7 +196,7 @@ def _placed_tokens(
     """Tokens of placements of one symbol, at most: what a rule of all of them could save."""
     if not len(rows):
         return 0.0
-    fine = alphabet.tolerance
+    fine = PRINTED * alphabet.tolerance
     reach = max(alphabet[int(string.symbol[rows[0]])].radius, fine)
     columns = _columns(string.placed[rows], fine, reach)
     digits = sum(float(_digits(value, error).sum()) for value, error, _ in columns)
