@@ -31,6 +31,10 @@ def _products() -> Floats:
 
 
 _PRODUCTS = _products()
+_BACK = np.array([1.0, -1.0, -1.0, -1.0])
+_OTHER = np.array([[0, 1, 2, 3], [1, 0, 3, 2], [2, 3, 0, 1], [3, 2, 1, 0]])
+"""For each component of a product of quaternions the second's components, by the first's order."""
+_SIGN = np.array([[1.0, -1, -1, -1], [1, 1, 1, -1], [1, -1, 1, 1], [1, 1, -1, 1]])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,7 +59,8 @@ class Frames:
 
 def identity(count: int = 1) -> Frames:
     """Everything where it is."""
-    turn = np.tile([1.0, 0.0, 0.0, 0.0], (count, 1))
+    turn = np.zeros((count, 4))
+    turn[:, 0] = 1.0
     return Frames(np.zeros((count, 3)), turn, np.ones(count), np.ones(count))
 
 
@@ -144,6 +149,9 @@ def around(frames: Frames, low: Floats, high: Floats) -> tuple[Floats, Floats]:
 
 def compose(outer: Frames, inner: Frames) -> Frames:
     """Row by row, what `inner` places placed by `outer`; one row stands for as many as needed."""
+    if len(outer) in (1, len(inner)) and _moves_only(outer):
+        position = inner.position + outer.position + 0.0
+        return Frames(position, canonical(inner.rotation), inner.hand, inner.scale)
     outer, inner = _matched(outer, inner)
     return Frames(
         apply(outer, inner.position),
@@ -153,12 +161,18 @@ def compose(outer: Frames, inner: Frames) -> Frames:
     )
 
 
+def _moves_only(frames: Frames) -> bool:
+    """Whether frames neither turn nor mirror nor scale."""
+    turned = frames.rotation[:, 1:].any() or (frames.hand < 0).any()
+    return not (turned or (frames.scale != 1.0).any())
+
+
 def _turned(outer: Frames, inner: Frames) -> Floats:
     """The turns of what `inner` turns turned by `outer`."""
-    if not outer.rotation[:, 1:].any() and (outer.hand > 0).all():
-        return canonical(inner.rotation)
-    turned = inner.rotation.copy()
-    turned[:, 2:] *= outer.hand[:, None]  # turns about y and z go the other way in a mirror
+    turned = inner.rotation
+    if (outer.hand < 0).any():
+        turned = turned.copy()
+        turned[:, 2:] *= outer.hand[:, None]  # turns about y and z go the other way in a mirror
     return canonical(multiply(outer.rotation, turned))
 
 
@@ -171,25 +185,17 @@ def _matched(a: Frames, b: Frames) -> tuple[Frames, Frames]:
 
 def inverse(frames: Frames) -> Frames:
     """The frames that undo these."""
-    back = frames.rotation * np.array([1.0, -1, -1, -1])
+    back = frames.rotation * _BACK
     back[:, 2:] *= frames.hand[:, None]
-    undone = Frames(np.zeros_like(frames.position), canonical(back), frames.hand, 1 / frames.scale)
-    return Frames(apply(undone, -frames.position), undone.rotation, undone.hand, undone.scale)
+    undone = Frames(frames.position, canonical(back), frames.hand, 1 / frames.scale)
+    moved = np.einsum("nij,nj->ni", linear(undone), -frames.position) + 0.0
+    return Frames(moved, undone.rotation, undone.hand, undone.scale)
 
 
 def multiply(a: Floats, b: Floats) -> Floats:
     """Products (n, 4) of quaternions."""
-    aw, ax, ay, az = a.T
-    bw, bx, by, bz = b.T
-    return np.stack(
-        [
-            aw * bw - ax * bx - ay * by - az * bz,
-            aw * bx + ax * bw + ay * bz - az * by,
-            aw * by - ax * bz + ay * bw + az * bx,
-            aw * bz + ax * by - ay * bx + az * bw,
-        ],
-        axis=1,
-    )
+    terms = a[:, None] * (b[:, _OTHER] * _SIGN)
+    return np.asarray(terms[:, :, 0] + terms[:, :, 1] + terms[:, :, 2] + terms[:, :, 3])
 
 
 def canonical(rotation: Floats) -> Floats:

@@ -52,12 +52,12 @@ def placement_tokens(frames: Frames, small: float) -> Integers:
     >>> placement_tokens(moved_to(np.array([[0.0, 0, 0], [3, 4, 0], [0, -3, 0]])), 1e-9).tolist()
     [1, 9, 10]
     """
-    moved = np.abs(frames.position) > small
-    turned = np.abs(frames.rotation[:, 1:]).max(axis=1, initial=0.0) > SMALL
-    inside = np.where(moved.any(axis=1), VECTOR + _negative(frames.position, small), 0)
-    inside = inside + np.where(turned, VECTOR + 1, 0) + (frames.hand < 0)
-    inside = inside + np.where(np.abs(frames.scale - 1) > SMALL, 4, 0)
-    return np.where(inside > 0, inside + AROUND, 1).astype(np.int64)
+    moved = (np.abs(frames.position) > small).any(axis=1)
+    inside = VECTOR * moved + _negative(frames.position, small) + (frames.hand < 0)
+    if frames.rotation[:, 1:].any():
+        inside += (VECTOR + 1) * (np.abs(frames.rotation[:, 1:]) > SMALL).any(axis=1)
+    inside += 4 * (np.abs(frames.scale - 1) > SMALL)
+    return np.asarray(np.where(inside > 0, inside + AROUND, 1), np.int64)
 
 
 def _negative(values: Floats, small: float) -> Integers:

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipmlang.inverse.frames import Frames, Integers
+from ipmlang.inverse.frames import Floats, Frames, Integers
 from ipmlang.inverse.split.placing import euler_angles
-from ipmlang.inverse.split.snapping import label_rows, members
+from ipmlang.inverse.split.snapping import Flags, label_rows, members
 
 FEWEST = 3  # rows that are worth a table
 TABLE = 24  # tokens of `table T(x, y) =` and of `repeat(r in T) { [translate(r.x, r.y, 0) a] }`
@@ -23,41 +23,54 @@ DEGREE = 1e-4  # angles nearer than this are one
 @dataclass(frozen=True, slots=True, eq=False)
 class Listing:
     """n placements: values (n, 7) labels of place, angles and scale, equal where the values are;
-    signs (n, 7) where they are negative; alone (n,) tokens one by one; hand (n,), turn (n,) labels.
+    signs (n, 7) where they are negative; alone (n,) tokens one by one; hand (n,): mirrored ones;
+    turn (n,) labels; turned (n,): those with any angle.
     """
 
     values: Integers
-    signs: Integers
+    signs: Flags
     alone: Integers
-    hand: Integers
+    hand: Flags
     turn: Integers
-    turned: Integers
+    turned: Flags
 
 
 def listing(frames: Frames, alone: Integers, small: float) -> Listing:
     """Placements made ready; alone: (n,) tokens of each; small: units that are nothing."""
-    angles = np.round(euler_angles(frames.rotation) / DEGREE) * DEGREE
-    steps = np.array([max(small, 1e-12)] * 3 + [DEGREE] * 3 + [1e-9])
-    raw = np.concatenate([frames.position, angles, frames.scale[:, None]], axis=1)
-    values = np.round(raw / steps).astype(np.int64)
-    signs = (values < 0).astype(np.int64)
-    turned = (values[:, 3:6] != 0).any(axis=1).astype(np.int64)
-    hand = (frames.hand < 0).astype(np.int64)
-    turn = label_rows(np.concatenate([hand[:, None], values[:, 3:]], axis=1))[0]
+    values = np.empty((len(frames), 7), np.int64)
+    values[:, :3] = np.rint(frames.position / max(small, 1e-12))
+    values[:, 3:6] = _degrees(frames)
+    values[:, 6] = np.rint(frames.scale / 1e-9)
+    signs = values < 0
+    turned = values[:, 3:6].any(axis=1)
+    hand = frames.hand < 0
+    turn = np.zeros(len(frames), np.int64)
+    if (values[1:, 3:] != values[:-1, 3:]).any():
+        turn = label_rows(values[:, 3:])[0]
     return Listing(values, signs, alone + signs[:, 3:].sum(axis=1), hand, turn, turned)
+
+
+def _degrees(frames: Frames) -> Floats:
+    """(n, 3) angles as whole numbers of the least that tells two apart."""
+    return np.asarray(np.rint(euler_angles(frames.rotation) / DEGREE))
 
 
 def list_tokens(own: Listing, rows: Integers) -> int:
     """Tokens of these placements, in the shortest tables."""
-    total = 0
-    for mirrored in (0, 1):
-        alike = rows[own.hand[rows] == mirrored]
-        if len(alike) == 0:
-            continue
-        label, count = label_rows(own.turn[alike][:, None])
-        apart = sum(_group(own, alike[each]) for each in members(label, len(count)))
-        total += apart if len(count) == 1 else min(apart, _group(own, alike))
-    return total
+    mirrored = own.hand[rows]
+    if mirrored.all() or not mirrored.any():
+        return _alike(own, rows)
+    return _alike(own, rows[~mirrored]) + _alike(own, rows[mirrored])
+
+
+def _alike(own: Listing, rows: Integers) -> int:
+    """Tokens of placements of one hand: in a table, or in one for each way they are turned."""
+    whole = _group(own, rows)
+    turn = own.turn[rows]
+    if len(rows) < FEWEST or not (turn != turn[0]).any():
+        return whole
+    label, count = label_rows(turn[:, None])
+    return min(sum(_group(own, rows[each]) for each in members(label, len(count))), whole)
 
 
 def _group(own: Listing, rows: Integers) -> int:
@@ -65,15 +78,19 @@ def _group(own: Listing, rows: Integers) -> int:
     if len(rows) < FEWEST:
         return alone
     values = own.values[rows]
-    differ = (values != values[0]).any(axis=0)
-    signs = int(own.signs[rows][:, differ].sum())
+    differ = (values[1:] != values[0]).any(axis=0)
+    columns = int(np.count_nonzero(differ))
+    least = TABLE + columns + len(rows) * (columns + 2)
+    if least >= alone:
+        return alone
+    signs = int(np.count_nonzero(own.signs[rows] & differ))
     turned = TURNED * bool(own.turned[rows].any() or own.hand[rows[0]])
-    columns = int(differ.sum())
-    return min(alone, TABLE + columns + len(rows) * (columns + 2) + signs + turned)
+    return min(alone, least + signs + turned)
 
 
 def every_token(frames: Frames, alone: Integers, small: float) -> int:
     """Tokens of all of a list."""
-    if len(frames) < FEWEST and not frames.rotation[:, 1:].any():
-        return int(alone.sum())
-    return list_tokens(listing(frames, alone, small), np.arange(len(frames)))
+    if len(frames) >= FEWEST:
+        return list_tokens(listing(frames, alone, small), np.arange(len(frames)))
+    signs = (_degrees(frames) < 0).sum() if frames.rotation[:, 1:].any() else 0
+    return int(alone.sum() + signs)

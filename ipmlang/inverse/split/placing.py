@@ -108,8 +108,13 @@ def euler_angles(rotation: Floats, small: float = WHOLE) -> Floats:
     """(n, 3) degrees about own x, then y, then z for quaternions (n, 4): of the two ways to say a
     turn the one with more zeros; small: degrees that are nothing.
     """
-    if not rotation[:, 1:].any():
-        return np.zeros((len(rotation), 3))
+    if not rotation[:, 1:3].any():
+        upright = np.zeros((len(rotation), 3))
+        if rotation[:, 3].any():
+            matrix = turns(rotation)
+            about = np.degrees(np.arctan2(-matrix[:, 0, 1], matrix[:, 0, 0]))
+            upright[:, 2] = _settled(about, small)
+        return upright
     first = _three_angles(turns(rotation))
     second = np.stack([first[:, 0] + 180, 180 - first[:, 1], first[:, 2] + 180], axis=1)
     first, second = _settled(first, small), _settled(second, small)
@@ -130,9 +135,10 @@ def _three_angles(matrix: Floats) -> Floats:
 
 def _settled(angles: Floats, small: float) -> Floats:
     """Angles in (-180, 180], almost nothing being nothing."""
-    wrapped: Floats = -(np.mod(-angles + 180.0, 360.0) - 180.0)
-    wrapped = np.where(np.abs(wrapped + 180.0) < small, 180.0, wrapped)
-    return np.asarray(np.where(np.abs(wrapped) < small, 0.0, wrapped) + 0.0)
+    wrapped: Floats = 180.0 - np.mod(180.0 - angles, 360.0)
+    wrapped[wrapped < small - 180.0] = 180.0
+    wrapped[np.abs(wrapped) < small] = 0.0
+    return wrapped + 0.0
 
 
 def placed(spot: Spot, inner: Sequence[ast.Element]) -> ast.Element:

@@ -5,6 +5,7 @@ Values that stand closer together than a gap get one label. Nothing here knows w
 
 from __future__ import annotations
 
+from math import prod
 from typing import TypeAlias
 
 import numpy as np
@@ -44,27 +45,29 @@ def label_rows(rows: NDArray[np.int64]) -> tuple[Integers, Integers]:
     """
     if len(rows) == 0:
         return np.zeros(0, np.int64), np.zeros(0, np.int64)
+    label = np.zeros(len(rows), np.int64)
     keys = _keys(rows)
     if keys is None:
-        _, label, count = np.unique(rows, axis=0, return_inverse=True, return_counts=True)
-        return np.asarray(label, np.int64).reshape(-1), np.asarray(count, np.int64)
-    order = keys.argsort(kind="stable")
-    ordered = keys[order]
-    label = np.zeros(len(keys), np.int64)
-    label[order[1:]] = (ordered[1:] != ordered[:-1]).cumsum()
+        order = np.lexsort(rows.T[::-1])
+        ordered = rows[order]
+        label[order[1:]] = (ordered[1:] != ordered[:-1]).any(axis=1).cumsum()
+    else:
+        order = keys.argsort(kind="stable")
+        ordered = keys[order]
+        label[order[1:]] = (ordered[1:] != ordered[:-1]).cumsum()
     return label, np.bincount(label)
 
 
 def _keys(rows: NDArray[np.int64]) -> Integers | None:
     """(n,) one number for each row, in lexical order; None where they would be too large."""
+    if rows.shape[1] == 1:
+        return rows[:, 0]
     low = rows.min(axis=0)
-    extent = rows.max(axis=0) - low + 1
-    if float(np.prod(extent.astype(np.float64))) > 2.0**62:
+    extent: list[int] = (rows.max(axis=0) - low + 1).tolist()
+    if prod(map(float, extent)) > 2.0**62:
         return None
-    keys = np.zeros(len(rows), np.int64)
-    for column in range(rows.shape[1]):
-        keys = keys * extent[column] + (rows[:, column] - low[column])
-    return keys
+    steps = [prod(extent[column:]) for column in range(1, len(extent) + 1)]
+    return np.asarray((rows - low) @ np.array(steps, np.int64))
 
 
 def members(label: Integers, count: int) -> list[Integers]:
