@@ -30,7 +30,23 @@ def _products() -> Floats:
     return table.reshape(16, 9)
 
 
-_PRODUCTS = _products()
+def _terms() -> Floats:
+    """(9, 16) how often each entry of a turn's matrix counts in four times each product of two
+    components; what is squared has 1 to be added.
+    """
+    table = np.zeros((3, 3, 4, 4))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        table[i, i, 0, 0] = table[i, i, i + 1, i + 1] = 1.0
+        table[i, i, j + 1, j + 1] = table[i, i, k + 1, k + 1] = -1.0
+        table[k, j, 0, i + 1] = table[k, j, i + 1, 0] = 1.0
+        table[j, k, 0, i + 1] = table[j, k, i + 1, 0] = -1.0
+        table[i, j, i + 1, j + 1] = table[i, j, j + 1, i + 1] = 1.0
+        table[j, i, i + 1, j + 1] = table[j, i, j + 1, i + 1] = 1.0
+    return table.reshape(9, 16)
+
+
+_PRODUCTS, _TERMS = _products(), _terms()
+_BENT = np.where(np.eye(3) > 0, 1e-5, 1e-12)  # how far a square may be off that of a turn
 _BACK = np.array([1.0, -1.0, -1.0, -1.0])
 _OTHER = np.array([[0, 1, 2, 3], [1, 0, 3, 2], [2, 3, 0, 1], [3, 2, 1, 0]])
 """For each component of a product of quaternions the second's components, by the first's order."""
@@ -110,16 +126,38 @@ def matrices(frames: Frames) -> Floats:
 
 def from_matrices(matrix: Floats) -> Frames:
     """The frames of similarity maps (n, 3, 4); of any other map the nearest turn."""
-    from scipy.spatial.transform import Rotation
-
     matrix = np.asarray(matrix, np.float64).reshape(-1, 3, 4)
     own = matrix[:, :, :3].copy()
     volume = np.linalg.det(own)
     hand = np.where(volume < 0, -1.0, 1.0)
     own[:, :, 0] *= hand[:, None]
-    turn = Rotation.from_matrix(own).as_quat(canonical=True)[:, [3, 0, 1, 2]] if len(own) else None
-    rotation = np.zeros((0, 4)) if turn is None else turn
-    return Frames(matrix[:, :, 3].copy(), rotation + 0.0, hand, np.cbrt(np.abs(volume)))
+    return Frames(matrix[:, :, 3].copy(), quaternions(own), hand, np.cbrt(np.abs(volume)))
+
+
+def quaternions(turn: Floats) -> Floats:
+    """(n, 4) unit quaternions, the first component that is not 0 positive, of matrices (n, 3, 3)
+    that do not mirror; of those that do more than turn, of the nearest turn.
+    """
+    square = turn @ turn.transpose(0, 2, 1)
+    bent = (np.abs(square - np.eye(3)) > _BENT).any(axis=(1, 2))
+    if bent.any():
+        left, _, right = np.linalg.svd(turn[bent])
+        turn = turn.copy()
+        turn[bent] = left @ right
+    terms = turn.reshape(-1, 9) @ _TERMS
+    terms[:, ::5] += 1.0
+    ways = terms.reshape(-1, 4, 4)  # each row the quaternion, the longer the better it is known
+    row = np.arange(len(ways))
+    best = ways[row, np.argmax(terms[:, ::5], axis=1)]
+    best = best / np.sqrt((best * best).sum(axis=1))[:, None]
+    sign = np.where(best[row, np.argmax(best != 0, axis=1)] < 0, -1.0, 1.0)
+    return np.asarray(best * sign[:, None] + 0.0)
+
+
+def about(axis: Floats, degrees: Floats) -> Floats:
+    """(n, 4) quaternions of turns by angles (n,) about a unit axis (3,)."""
+    half = np.radians(degrees) / 2
+    return np.concatenate([np.cos(half)[:, None], np.sin(half)[:, None] * axis], axis=1)
 
 
 def apply(frames: Frames, points: Floats) -> Floats:

@@ -6,6 +6,7 @@ mark or a bracket is one token. Follows what `printing` prints; nothing here pri
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import assert_never
 
 import numpy as np
@@ -39,6 +40,7 @@ VECTOR = 6  # `translate(x, y, z)` without signs
 SPLIT = 4  # `split x { … }`
 OCTANT = 7  # `octant(x, y, z, 1)`
 GROWTH = 5  # `pow(g, i)`
+FEWEST = LOOP + VECTOR + 2 + AROUND  # of a ring, which is the shortest of all patterns
 ASSET = 1  # one more name in `asset a, b, c in "…"`
 SHAPE = 6  # for a shape in the parts file, beside its name: where schemes differ in these
 
@@ -106,6 +108,17 @@ def _array_tokens(array: Array, small: float) -> int:
     rows = len({hole[1:] for hole in array.holes})  # these are written again, with what is left out
     again = rows * (own + loops[0] + EXCEPT + 1) + len(array.holes)
     return own + sum(loops) + EXCEPT + again
+
+
+def fewest_tokens(directions: Sequence[tuple[int, bool]], holes: int) -> int:
+    """No more than the tokens of any array with so many members along its directions, in even
+    steps or not, and so many holes.
+    """
+    moved = VECTOR + AROUND
+    loops = sum(
+        LOOP + STEP if even else LOOP + STEP - 2 + TABLE + 3 * count for count, even in directions
+    )
+    return moved + loops + (EXCEPT + holes if holes else 0)
 
 
 def _loop_tokens(direction: Direction, small: float) -> int:

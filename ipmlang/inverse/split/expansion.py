@@ -15,10 +15,12 @@ from ipmlang.inverse.frames import (
     Floats,
     Frames,
     Integers,
+    about,
+    canonical,
     compose,
-    from_matrices,
     identity,
     join,
+    linear,
     moved_to,
 )
 from ipmlang.inverse.split.scheme import (
@@ -95,13 +97,12 @@ def _array(array: Array) -> Frames:
 
 
 def _ring(ring: Ring) -> Frames:
-    from scipy.spatial.transform import Rotation
-
     index = np.array([i for i in range(ring.count) if i not in ring.holes], np.float64)
-    turns = Rotation.from_rotvec(np.radians(ring.angle) * index[:, None] * ring.axis).as_matrix()
-    turns = turns * (ring.growth**index + ring.gain * index)[:, None, None]
-    moved = ring.center - turns @ ring.center + (ring.rise * index)[:, None] * ring.axis
-    return compose(from_matrices(np.concatenate([turns, moved[:, :, None]], axis=2)), ring.first)
+    growth = ring.growth**index + ring.gain * index
+    turned = canonical(about(ring.axis, ring.angle * index))
+    still = Frames(np.zeros((len(index), 3)), turned, np.ones(len(index)), growth)
+    moved = ring.center - linear(still) @ ring.center + (ring.rise * index)[:, None] * ring.axis
+    return compose(Frames(moved, turned, still.hand, growth), ring.first)
 
 
 def _split(split: Split) -> list[tuple[int, Frames]]:

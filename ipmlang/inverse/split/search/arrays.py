@@ -10,11 +10,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
+from math import prod
+from typing import TypeAlias
 
 import numpy as np
 
 from ipmlang.inverse.frames import Floats, Integers
 from ipmlang.inverse.numbers import shortest
+from ipmlang.inverse.split.cost import fewest_tokens
 from ipmlang.inverse.split.scheme import Direction
 from ipmlang.inverse.split.snapping import Flags, label_rows, members, snap, snap_columns
 
@@ -26,6 +29,8 @@ FLAT = 0.2  # sine of the angle under which two directions do not span a plane
 SQUARE = 1e-6  # a direction this near to an axis is the axis
 FEWEST = (3, 4, 4)  # points of a row, a grid or a block
 DENSE = 16  # cells for each point, above which a lattice is not looked at
+
+_Axis: TypeAlias = tuple[Integers, Floats, bool]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,8 +46,12 @@ class Lattice:
     holes: frozenset[tuple[int, ...]]
 
 
-def lattices(points: Floats, error: float, each: float) -> Iterator[Lattice]:
-    """Arrays among points (n, 3), exact to `error`; each: tokens that a point alone takes."""
+def lattices(
+    points: Floats, error: float, alone: Integers, least: float = -np.inf
+) -> Iterator[Lattice]:
+    """Arrays among points (n, 3), exact to `error`; alone (n,): tokens that each takes by itself;
+    least: tokens that an array has to save.
+    """
     if len(points) < 3:
         return
     along = directions(points, error)
@@ -52,7 +61,7 @@ def lattices(points: Floats, error: float, each: float) -> Iterator[Lattice]:
         for basis in combinations(range(len(along) if size < 3 else min(len(along), 4)), size):
             full = _completed(along[list(basis)])
             if full is not None:
-                yield from _lattices(points, full, size, error, each)
+                yield from _lattices(points, full, size, error, alone, least)
 
 
 def directions(points: Floats, error: float) -> Floats:
@@ -106,9 +115,10 @@ def _completed(along: Floats) -> Floats | None:
 
 
 def _lattices(
-    points: Floats, basis: Floats, size: int, error: float, each: float
+    points: Floats, basis: Floats, size: int, error: float, alone: Integers, least: float
 ) -> Iterator[Lattice]:
     """Those along the first `size` columns of a basis."""
+    each = float(alone.mean())
     place = np.asarray(np.linalg.solve(basis, points.T).T, np.float64)
     place -= place.min(axis=0)
     label = snap_columns(place, 2 * error)
@@ -118,9 +128,12 @@ def _lattices(
     groups.sort(key=lambda own: (-len(own), int(own[0])))
     for own in groups[:LINES]:
         for rows in _choices(place[own, :size], label[own, :size], error, each):
-            found = _fit(points, own[rows], place[:, :size], label[:, :size], basis, error)
-            if found is not None:
-                yield found
+            chosen = own[rows]
+            axes = [_axis(place[chosen, a], label[chosen, a], error) for a in range(size)]
+            if int(alone[chosen].sum()) - _fewest_tokens(axes, len(chosen)) >= least:
+                found = _fit(points, chosen, axes, basis, error)
+                if found is not None:
+                    yield found
 
 
 def _choices(place: Floats, label: Integers, error: float, each: float) -> Iterator[Integers]:
@@ -254,14 +267,19 @@ def _take_out(filled: Floats, amounts: list[Floats], axis: int, index: int) -> N
     amounts[axis][index] = np.inf
 
 
+def _fewest_tokens(axes: list[_Axis], members: int) -> int:
+    """Tokens that an array takes at least."""
+    cells = prod(len(values) for _, values, _ in axes)
+    return fewest_tokens([(len(values), even) for _, values, even in axes], cells - members)
+
+
 def _fit(
-    points: Floats, rows: Integers, place: Floats, label: Integers, basis: Floats, error: float
+    points: Floats, rows: Integers, axes: list[_Axis], basis: Floats, error: float
 ) -> Lattice | None:
     """The array that points stand in, its numbers fitted and made short; None if it is off."""
-    size = place.shape[1]
-    axes = [_axis(place[rows, a], label[rows, a], error) for a in range(size)]
-    digits = np.stack([digit for digit, _ in axes], axis=1)
-    offset = np.stack([values[digit] for digit, values in axes], axis=1)
+    size = len(axes)
+    digits = np.stack([digit for digit, _, _ in axes], axis=1)
+    offset = np.stack([values[digit] for digit, values, _ in axes], axis=1)
     known = np.concatenate([np.ones((len(rows), 1)), offset], axis=1)
     solved = np.linalg.lstsq(known, points[rows], rcond=None)[0]
     first, along = solved[0], solved[1:]
@@ -276,8 +294,10 @@ def _fit(
     return Lattice(rows, digits, first, tuple(made), holes)
 
 
-def _axis(place: Floats, label: Integers, error: float) -> tuple[Integers, Floats]:
-    """(k,) digits along an axis and (c,) where each digit stands, the first at 0."""
+def _axis(place: Floats, label: Integers, error: float) -> _Axis:
+    """(k,) digits along an axis and (c,) where each digit stands, the first at 0; and whether their
+    steps are one.
+    """
     digit = np.unique(label, return_inverse=True)[1].reshape(-1).astype(np.int64)
     total = np.bincount(digit, weights=place)
     values: Floats = np.asarray(total / np.bincount(digit))
@@ -288,14 +308,14 @@ def _axis(place: Floats, label: Integers, error: float) -> tuple[Integers, Float
     fine = float(whole @ values / (whole @ whole))
     if np.abs(whole * fine - values).max() < 2 * error and whole[-1] < 1.5 * len(values):
         even = np.asarray(np.arange(int(whole[-1]) + 1) * fine, np.float64)
-        return whole.astype(np.int64)[digit], even
-    return digit, np.asarray(values, np.float64)
+        return whole.astype(np.int64)[digit], even, True
+    return digit, np.asarray(values, np.float64), _steps_alike(values)
 
 
 def _direction(values: Floats, along: Floats, wanted: Floats, error: float) -> Direction:
     """A direction through offsets, `along` for each unit of them; `wanted`: what it should be."""
     count = len(values)
-    if np.abs(np.diff(values, 2)).max(initial=0.0) <= 1e-12 * (1 + values[-1]):
+    if _steps_alike(values):
         step = along * values[1]
         return Direction(count, np.array([shortest(v, error / count) for v in step]))
     length = float(np.linalg.norm(along))
@@ -304,6 +324,10 @@ def _direction(values: Floats, along: Floats, wanted: Floats, error: float) -> D
         unit = wanted
     steps = [shortest(float(gap), error / count) for gap in np.diff(values) * length]
     return Direction(count, unit, tuple(steps))
+
+
+def _steps_alike(values: Floats) -> bool:
+    return bool(np.abs(np.diff(values, 2)).max(initial=0.0) <= 1e-12 * (1 + values[-1]))
 
 
 def _offsets(direction: Direction) -> Floats:

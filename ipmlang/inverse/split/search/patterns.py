@@ -213,7 +213,7 @@ def _arrays(copies: _Copies, groups: list[tuple[Integers, Frames]]) -> list[Foun
         if len(rows) < FEWEST:
             continue
         alone = copies.alone[rows]
-        for lattice in lattices(frames.position, copies.limits.error / 2, float(alone.mean())):
+        for lattice in lattices(frames.position, copies.limits.error / 2, alone, LEAST):
             item = _array(frames, lattice, copies.symbol)
             tokens = item_tokens(item, copies.limits.small)
             gain = float(alone[lattice.rows].sum()) - tokens

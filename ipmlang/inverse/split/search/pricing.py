@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipmlang.inverse.frames import Floats, Frames, Integers
-from ipmlang.inverse.split.cost import HEAD, placement_tokens
+from ipmlang.inverse.split.cost import FEWEST, HEAD, placement_tokens
 from ipmlang.inverse.split.listing import every_token
 from ipmlang.inverse.split.search.drafts import Draft, Limits, Motif
 from ipmlang.inverse.split.search.figures import Figure
@@ -86,11 +86,19 @@ def gain_of(
     for index in np.unique(base.of[rows]).tolist():
         gone = base.place[rows[base.of[rows] == index]]
         saved += base.found[index].tokens - _without(base, index, gone, limits)
-    for figure, symbol, frames in _lists(base.draft, motif, shape):
-        if saved - 1 < least:  # any list takes a token
-            return saved - 1
-        saved -= arranged(figure, frames, symbol, limits, memory).tokens
+    lists = sorted(_lists(base.draft, motif, shape), key=lambda each: len(each[2]))
+    saved -= sum(_at_least(len(frames)) for _, _, frames in lists)
+    for figure, symbol, frames in lists:  # short ones are soon known
+        if saved < least:
+            return saved
+        tokens = arranged(figure, frames, symbol, limits, memory).tokens
+        saved -= tokens - _at_least(len(frames))
     return saved
+
+
+def _at_least(copies: int) -> int:
+    """Tokens below which no list of so many copies stays, no two of them in one place."""
+    return (0, 1, 5, 12)[copies] if copies < 4 else FEWEST
 
 
 def _lists(draft: Draft, motif: Motif, shape: Figure) -> Iterator[tuple[Figure, int, Frames]]:

@@ -15,9 +15,12 @@ from ipmlang.inverse.frames import (
     Floats,
     Frames,
     Integers,
+    about,
     compose,
     inverse,
     matrices,
+    quaternions,
+    turns,
 )
 from ipmlang.inverse.numbers import shortest
 from ipmlang.inverse.split.expansion import placements
@@ -195,13 +198,12 @@ def _fitted(
 
 def _turn(motion: Floats, centers: Floats, index: Integers, error: float) -> Turn | None:
     """Axis, angle and rise, fitted to where the members' centers stand."""
-    from scipy.spatial.transform import Rotation
-
     growth = float(np.cbrt(np.linalg.det(motion[:, :3])))
     growth = 1.0 if abs(growth - 1) < 1e-6 else growth
-    vector = Rotation.from_matrix(motion[:, :3] / growth).as_rotvec()
-    angle = float(np.degrees(np.linalg.norm(vector)))
-    axis = vector / np.linalg.norm(vector)
+    turned = quaternions(motion[None, :, :3] / growth)[0]
+    sine = float(np.linalg.norm(turned[1:]))
+    angle = float(np.degrees(2 * np.arctan2(sine, turned[0])))
+    axis = turned[1:] / sine
     lead = int(np.argmax(np.abs(axis)))
     if np.abs(np.delete(axis, lead)).max() < 1e-5:
         axis = np.eye(3)[lead] * np.sign(axis[lead])
@@ -226,13 +228,10 @@ def _axis(
     """Where the axis stands and how much a step rises, by least squares: linear in the center, the
     rise and the place of the first member.
     """
-    from scipy.spatial.transform import Rotation
-
-    turns = Rotation.from_rotvec(np.radians(angle) * index[:, None] * axis).as_matrix()
-    turns = turns * (growth ** index.astype(np.float64))[:, None, None]
-    still = np.eye(3) - turns
+    turned = turns(about(axis, angle * index)) * (growth ** index.astype(np.float64))[:, None, None]
+    still = np.eye(3) - turned
     rises = index[:, None] * axis
-    known = np.concatenate([turns, still, rises[:, :, None]], axis=2).reshape(-1, 7)
+    known = np.concatenate([turned, still, rises[:, :, None]], axis=2).reshape(-1, 7)
     solved = np.linalg.lstsq(known, centers.ravel(), rcond=1e-9)[0]
     center, rise = solved[3:6], float(solved[6])
     if growth == 1.0:
