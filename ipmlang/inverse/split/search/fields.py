@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 AROUND = 12  # nearest rows by their centers
 TOUCHING = 16  # rows whose boxes touch, at most
+FEW = 400  # boxes that are all compared with each other
 SAME = 4  # rows that may share a center
 
 
@@ -52,8 +53,8 @@ class Field:
         return np.nonzero(near)[0]
 
 
-def field_of(draft: Draft) -> Field:
-    """The field of a draft."""
+def field_of(draft: Draft, neighbours: bool = True) -> Field:
+    """The field of a draft; neighbours: whether it will be asked what is near."""
     from scipy.spatial import cKDTree
 
     placed = points(draft)
@@ -61,7 +62,9 @@ def field_of(draft: Draft) -> Field:
     apart = 4 * extent + 1.0
     key = draft.body * len(draft.figures) + draft.symbol
     tree = cKDTree(np.concatenate([placed[:, 0], apart * key[:, None]], axis=1))
-    begin, near = _neighbours(draft, placed[:, 0], apart)
+    begin, near = np.zeros(len(draft) + 1, np.int64), np.zeros(0, np.int64)
+    if neighbours:
+        begin, near = _neighbours(draft, placed[:, 0], apart)
     matrix = matrices(draft.frames)
     return Field(draft, placed, matrix, tree, apart, begin, near, *_images(draft))
 
@@ -174,24 +177,36 @@ def _neighbours(draft: Draft, center: Floats, apart: float) -> tuple[Integers, I
 
 def _touching(draft: Draft, center: Floats) -> tuple[Integers, Integers]:
     """Pairs of rows whose boxes meet; of each row the nearest few, by their centers."""
-    import shapely
-
     low, high = boxes(draft)
     slack = 1e-3 * float(np.ptp(center, axis=0).max() + 1e-9)
     pairs = [(np.zeros(0, np.int64), np.zeros(0, np.int64))]
     for rows in members(draft.body, draft.bodies):
         if len(rows) < 2:
             continue
-        flat = shapely.box(*(low[rows, :2] - slack).T, *(high[rows, :2] + slack).T)
-        one, two = shapely.STRtree(flat).query(flat)
+        one, two = _meeting(low[rows], high[rows], slack)
         one, two = rows[one], rows[two]
-        meets = (low[one, 2] <= high[two, 2] + slack) & (low[two, 2] <= high[one, 2] + slack)
-        one, two = one[meets & (one != two)], two[meets & (one != two)]
         pairs.append(_nearest(one, two, np.linalg.norm(center[one] - center[two], axis=1)))
     return (
         np.concatenate([pair[0] for pair in pairs]),
         np.concatenate([pair[1] for pair in pairs]),
     )
+
+
+def _meeting(low: Floats, high: Floats, slack: float) -> tuple[Integers, Integers]:
+    """Pairs of boxes that meet, or nearly, in both directions."""
+    wide = np.array([slack, slack, 0.0])
+    begin, end = low - wide, high + wide
+    if len(low) <= FEW:
+        apart = (begin[:, None] > end[None] + (slack - wide)).any(axis=2)
+        one, two = np.nonzero(~(apart | apart.T))
+    else:
+        import shapely
+
+        flat = shapely.box(*begin[:, :2].T, *end[:, :2].T)
+        one, two = shapely.STRtree(flat).query(flat)
+        meets = (low[one, 2] <= high[two, 2] + slack) & (low[two, 2] <= high[one, 2] + slack)
+        one, two = one[meets], two[meets]
+    return one[one != two], two[one != two]
 
 
 def _nearest(one: Integers, two: Integers, distance: Floats) -> tuple[Integers, Integers]:

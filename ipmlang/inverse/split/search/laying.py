@@ -22,10 +22,11 @@ from ipmlang.inverse.frames import (
 )
 from ipmlang.inverse.split.cost import placement_tokens
 from ipmlang.inverse.split.search.drafts import Draft, Limits, Motif, motif_box
-from ipmlang.inverse.split.search.fields import Field, field_of, look_up
+from ipmlang.inverse.split.search.fields import Field, field_of, look_up_moved
 from ipmlang.inverse.split.search.figures import MOST_FRAMES, misses
 from ipmlang.inverse.split.search.growth import Grown
 
+TOGETHER = 512  # lookups at a time
 TRIED = 6  # occurrences whose own way of standing the body may take
 
 
@@ -148,20 +149,20 @@ def symmetry_of(draft: Draft, motif: Motif, limits: Limits) -> Frames:
     symbol = draft.symbol[motif.rows[0]]
     count = len(symbol)
     own = Draft(draft.figures, draft.classes, np.zeros(count, np.int64), symbol, motif.inside)
-    field = field_of(own)
     amount = np.bincount(symbol, minlength=len(draft.figures))
     many = np.array([len(shape.symmetry) for shape in draft.figures])
     rarest = int(np.argmin(np.where(amount > 0, amount * many, amount.max() * many.max() + 1)))
-    anchor = np.nonzero(symbol == rarest)[0]
-    ways = _ways(own, rarest, anchor)
-    for row in range(count):
-        if len(ways) < 2:
-            break
-        wanted = np.einsum("aij,pj->api", matrices(ways)[:, :, :3], field.points[row])
-        wanted += ways.position[:, None]
-        label = np.full(len(ways), symbol[row])
-        hit = look_up(field, wanted, label, np.zeros(len(ways), np.int64), limits.error)
-        ways = ways[hit >= 0]
+    ways = _ways(own, rarest, np.nonzero(symbol == rarest)[0])
+    if len(ways) > 1:
+        field = field_of(own, neighbours=False)
+        motion, row = matrices(ways), 0
+        while row < count and len(ways) > 1:
+            some = np.arange(row, min(row + max(1, TOGETHER // len(ways)), count))
+            row += len(some)
+            body = np.zeros(len(ways), np.int64)
+            hit = look_up_moved(field, some, motion, body, limits.error)
+            kept = (hit >= 0).all(axis=0)
+            ways, motion = ways[kept], motion[kept]
     exact = _rounded(from_matrices(plain(matrices(ways))), limits)
     return exact[:MOST_FRAMES]
 

@@ -6,12 +6,12 @@ to each, as votes of neighbours only: never all pairs. What grows from a seed is
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from ipmlang.inverse.frames import Floats, Integers, compose, inverse, matrices
+from ipmlang.inverse.frames import Floats, Integers, compose, inverse, join, matrices
 from ipmlang.inverse.split.search.fields import Field, agree
 from ipmlang.inverse.split.snapping import label_rows, members, snap
 
@@ -83,46 +83,83 @@ def _apart(field: Field, pairs: Integers, error: float) -> Integers:
     return np.stack([distance, snap(second / first, SCALED)], axis=1)
 
 
-def seeds(field: Field, edges: Edges, chosen: Integers, error: float) -> Iterator[Seed]:
-    """The seeds among edges (k,) of one label."""
+def seeds(
+    field: Field, edges: Edges, labels: Sequence[Integers], error: float
+) -> list[list[Seed]]:
+    """The seeds among edges of some labels, given by their rows, for each label."""
+    left = [_ordered(field, edges, chosen) for chosen in labels]
+    found: list[list[Seed]] = [[] for _ in labels]
+    open_ = list(range(len(labels)))
+    for _ in range(KINDS):
+        open_ = [number for number in open_ if len(left[number]) > 1]
+        if not open_:
+            break
+        related = _related(field, [left[number] for number in open_], error)
+        for number, seed in zip(open_, related, strict=True):
+            same = _once(seed.of)
+            taken = _disjoint(seed.pairs[same])
+            if len(taken) > 1:
+                found[number].append(_kept(seed, same[taken]))
+            other = np.ones(len(seed.pairs), np.bool_)
+            other[same] = False
+            left[number] = seed.pairs[other]
+    return found
+
+
+def _ordered(field: Field, edges: Edges, chosen: Integers) -> Integers:
+    """(k, 2) the pairs that are followed of edges of one label, those with much around first; of
+    two symbols the one with fewer symmetries comes first.
+    """
     pairs = edges.pairs[chosen]
-    symbol = field.draft.symbol[pairs[0]]
-    if symbol[0] == symbol[1]:
+    one, two = field.draft.symbol[pairs[0]].tolist()
+    if one == two:
         pairs = np.concatenate([pairs, pairs[:, ::-1]])
     figures = field.draft.figures
-    if len(figures[symbol[1]].symmetry) < len(figures[symbol[0]].symmetry):
+    if len(figures[two].symmetry) < len(figures[one].symmetry):
         pairs = pairs[:, ::-1]
     order = np.lexsort((pairs[:, 0], -np.round(edges.rich[pairs].sum(axis=1), 6)))
-    left = pairs[order][:MOST]
-    for _ in range(KINDS):
-        if len(left) < 2:
-            return
-        seed = _related(field, left, error)
-        same = np.unique(seed.of)
-        taken = _disjoint(left[same])
-        if len(taken) > 1:
-            yield _kept(seed, left, same[taken])
-        left = np.delete(left, same, axis=0)
+    return pairs[order[:MOST]]
 
 
-def _related(field: Field, pairs: Integers, error: float) -> Seed:
-    """The pairs that stand as the first one does, with all motions that show it."""
+def _related(field: Field, groups: list[Integers], error: float) -> list[Seed]:
+    """Of each group of pairs (k, 2) those that stand as the first one does, with all motions that
+    show it.
+    """
     draft = field.draft
-    anchor = draft.figures[draft.symbol[pairs[0, 0]]]
-    many = len(anchor.symmetry)
-    of = np.repeat(np.arange(len(pairs)), many)
-    turned = anchor.symmetry[np.tile(np.arange(many), len(pairs))]
-    motions = compose(
-        compose(draft.frames[pairs[of, 0]], turned), inverse(draft.frames[pairs[:1, 0]])
-    )
+    pairs = np.concatenate(groups)
+    begin = np.cumsum([0, *(len(group) for group in groups)])
+    group = np.repeat(np.arange(len(groups)), np.diff(begin))
+    anchor = draft.symbol[pairs[begin[:-1], 0]]
+    many = np.array([len(draft.figures[each].symmetry) for each in anchor.tolist()], np.int64)
+    of = np.repeat(np.arange(len(pairs)), many[group])
+    own = group[of]
+    turned = join([
+        draft.figures[symbol].symmetry[_again(int(ways), len(rows))]
+        for symbol, ways, rows in zip(anchor.tolist(), many, groups, strict=True)
+    ])  # fmt: skip
+    back = inverse(draft.frames[pairs[begin[:-1], 0]])
+    motions = compose(compose(draft.frames[pairs[of, 0]], turned), back[own])
     motion = matrices(motions)
-    wanted = np.einsum("nij,kj->nki", motion[:, :, :3], field.points[pairs[0, 1]])
-    wanted += motion[:, None, :, 3]
-    near = np.linalg.norm(wanted[:, 0] - field.points[pairs[of, 1], 0], axis=1) <= error
-    own = np.nonzero(near)[0]
-    own = own[agree(field, pairs[of[own], 1], wanted[own], error)]
-    own = own[np.lexsort((motions.hand[own] < 0, of[own]))]
-    return Seed(pairs, of[own], motion[own])
+    led = field.points[pairs[begin[:-1], 1]][own]
+    wanted = led @ motion[:, :, :3].transpose(0, 2, 1) + motion[:, None, :, 3]
+    off = np.linalg.norm(wanted[:, 0] - field.points[pairs[of, 1], 0], axis=1)
+    kept = np.nonzero(off <= error)[0]
+    kept = kept[agree(field, pairs[of[kept], 1], wanted[kept], error)]
+    kept = kept[np.lexsort((motions.hand[kept] < 0, of[kept]))]
+    ends = np.searchsorted(own[kept], np.arange(len(groups) + 1))
+    return [
+        Seed(rows, of[kept[ends[k] : ends[k + 1]]] - begin[k], motion[kept[ends[k] : ends[k + 1]]])
+        for k, rows in enumerate(groups)
+    ]
+
+
+def _again(count: int, times: int) -> Integers:
+    return np.arange(count * times) % count
+
+
+def _once(numbers: Integers) -> Integers:
+    """Numbers in order, without those that are there already."""
+    return numbers[np.concatenate([[True], numbers[1:] != numbers[:-1]])] if len(numbers) else numbers
 
 
 def _disjoint(pairs: Integers) -> Integers:
@@ -136,12 +173,12 @@ def _disjoint(pairs: Integers) -> Integers:
     return np.array(taken, np.int64)
 
 
-def _kept(seed: Seed, pairs: Integers, rows: Integers) -> Seed:
+def _kept(seed: Seed, rows: Integers) -> Seed:
     """The seed with only these occurrences, renumbered."""
-    number = np.full(len(pairs), -1, np.int64)
+    number = np.full(len(seed.pairs), -1, np.int64)
     number[rows] = np.arange(len(rows))
     own = number[seed.of] >= 0
-    return Seed(pairs[rows], number[seed.of[own]], seed.motion[own])
+    return Seed(seed.pairs[rows], number[seed.of[own]], seed.motion[own])
 
 
 def labels_by_promise(edges: Edges) -> list[Integers]:

@@ -13,7 +13,7 @@ from itertools import islice
 
 import numpy as np
 
-from ipmlang.inverse.frames import Floats
+from ipmlang.inverse.frames import Floats, Integers
 from ipmlang.inverse.parts.observation import Parts
 from ipmlang.inverse.split.cost import HEAD, scheme_tokens
 from ipmlang.inverse.split.scheme import Scheme
@@ -34,7 +34,7 @@ from ipmlang.inverse.split.search.laying import laid, symmetry_of
 from ipmlang.inverse.split.search.patterns import Memory
 from ipmlang.inverse.split.search.pricing import Priced, gain_of, priced
 from ipmlang.inverse.split.search.pruning import pruned
-from ipmlang.inverse.split.search.seeds import Edges, edges_of, labels_by_promise, seeds
+from ipmlang.inverse.split.search.seeds import Edges, Seed, edges_of, labels_by_promise, seeds
 from ipmlang.inverse.split.search.wholes import wholes
 from ipmlang.inverse.split.snapping import Flags
 
@@ -47,6 +47,7 @@ TRIED = 10  # candidates of a round that are priced exactly
 VARIANTS = 4  # of motifs that share rows, among very many rows: a round finds several motifs there
 CROWD = 1000  # rows that are very many
 ROUNDS = 60
+TOGETHER, TOGETHER_WAYS = 24, 6_000  # kinds of pairs, and motions, that are looked at at a time
 SEEDS = 100  # kinds of pairs that are grown before what grew is priced
 BATCHES = 3  # how often in a round, where nothing pays
 WORK, EACH = 250_000, 120  # lookups, and more of them for each part
@@ -131,10 +132,8 @@ def _grown(field: Field, limits: Limits) -> Iterator[tuple[list[Grown], int]]:
     covered = np.zeros(len(edges.pairs), np.bool_)
     found: list[Grown] = []
     used, tried = 0, 0
-    for chosen in labels_by_promise(edges):
-        if covered[chosen].all():
-            continue
-        for seed in seeds(field, edges, chosen, limits.error):
+    for alike in _seeded(field, edges, covered, limits.error):
+        for seed in alike:
             chain, took = grow(field, seed, limits.error)
             used += took + len(seed.of)
             found += chain
@@ -145,6 +144,26 @@ def _grown(field: Field, limits: Limits) -> Iterator[tuple[list[Grown], int]]:
             yield found, used
             found, used = [], 0
     yield found, used
+
+
+def _seeded(field: Field, edges: Edges, covered: Flags, error: float) -> Iterator[list[Seed]]:
+    """The seeds of each label of which some edges are not covered when its turn comes; looked for
+    in some labels at a time.
+    """
+    waiting = labels_by_promise(edges)
+    at = 0
+    while at < len(waiting):
+        some: list[Integers] = []
+        ways = 0
+        while at < len(waiting) and len(some) < TOGETHER and ways < TOGETHER_WAYS:
+            chosen = waiting[at]
+            at += 1
+            if not covered[chosen].all():
+                some.append(chosen)
+                ways += len(chosen) * int(field.round[field.draft.symbol[edges.pairs[chosen[0]]]].max())
+        for chosen, found in zip(some, seeds(field, edges, some, error), strict=True):
+            if not covered[chosen].all():
+                yield found
 
 
 def _cover(edges: Edges, grown: Grown, covered: Flags) -> None:
