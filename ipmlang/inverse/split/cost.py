@@ -26,7 +26,7 @@ from ipmlang.inverse.split.scheme import (
     Split,
     Terminal,
 )
-from ipmlang.inverse.split.turning import first_around
+from ipmlang.inverse.split.turning import around_axis
 
 SMALL = 1e-9  # what is printed as nothing at all, in degrees or as a ratio
 HEAD = 2  # `Name -->`
@@ -73,11 +73,9 @@ def item_tokens(item: Item, small: float) -> int:
             alone = placement_tokens(item.frames, small) + ANCHOR * len(item.anchors)
             if item.stretch is not None:
                 return int(alone.sum()) + stretch_tokens(item, small)
-            return every_token(item.frames, alone, small)
-        case Array():
-            return _array_tokens(item, small)
-        case Ring():
-            return _ring_tokens(item, small)
+            return int(every_token(item.frames, alone, small)[0])
+        case Array() | Ring():
+            return int(tokens_from(item, item.first, small)[0])
         case Split():
             return SPLIT + sum(_cell_tokens(cell) for cell in item.cells) + len(item.cells) - 1
         case Octant():
@@ -95,10 +93,17 @@ def stretch_tokens(place: Place, small: float) -> int:
     return (VECTOR + 4) * len(place.frames) + 2 * int(follows.sum())
 
 
-def _array_tokens(array: Array, small: float) -> int:
-    own = int(placement_tokens(array.first, small)[0])
-    if float(np.abs(array.first.position).max()) <= small:
-        own += VECTOR if own > 1 else VECTOR + AROUND - 1
+def tokens_from(item: Array | Ring, first: Frames, small: float) -> Integers:
+    """(n,) tokens of a row or a ring if its first member stood in one of these frames (n,)."""
+    if isinstance(item, Array):
+        return _array_tokens(item, first, small)
+    return _ring_tokens(item, first, small)
+
+
+def _array_tokens(array: Array, first: Frames, small: float) -> Integers:
+    own = placement_tokens(first, small)
+    still = np.abs(first.position).max(axis=1) <= small
+    own = own + still * np.where(own > 1, VECTOR, VECTOR + AROUND - 1)
     loops = [_loop_tokens(each, small) for each in array.directions]
     if not array.holes:
         return own + sum(loops)
@@ -129,30 +134,31 @@ def _loop_tokens(direction: Direction, small: float) -> int:
     return LOOP + STEP * moved - 2 * straight + TABLE + 3 * direction.count
 
 
-def _ring_tokens(ring: Ring, small: float) -> int:
+def _ring_tokens(ring: Ring, first: Frames, small: float) -> Integers:
     if not ring.angle:
-        return _swelling_tokens(ring, small)
+        return _swelling_tokens(ring, first, small)
     upright = float(ring.axis[2]) > 1 - SMALL
     center = float(np.abs(ring.center).max()) > small
     outer = 2 * (center or not upright) + VECTOR * center + (VECTOR + 1) * (not upright)
     outer += int(_negative(ring.center, small))
-    placed = int(placement_tokens(first_around(ring), small)[0])
-    inner = VECTOR + 2 + AROUND + max(placed - AROUND, 0)
+    placed = placement_tokens(around_axis(ring, first), small)
+    inner = VECTOR + 2 + AROUND + np.maximum(placed - AROUND, 0)
     rise = VECTOR + 2 if abs(ring.rise) > small else 0
     growth = VECTOR + 2 if abs(ring.growth - 1) > SMALL else 0
     holes = EXCEPT + len(ring.holes) if ring.holes else 0
     return LOOP + outer + inner + rise + growth + holes
 
 
-def _swelling_tokens(ring: Ring, small: float) -> int:
+def _swelling_tokens(ring: Ring, first: Frames, small: float) -> Integers:
     """Of `repeat(i < n) { [translate(x, y, z + d * i) *(s * pow(g, i)) A] }`."""
     moved = np.abs(ring.rise * ring.axis) > small
     begun = np.abs(ring.center) > small
     steps = STEP * int(moved.sum()) - 2 * int((moved & ~begun).sum())
     place = (VECTOR + steps + int(_negative(ring.center, small))) * bool((moved | begun).any())
-    scaled = abs(float(ring.first.scale[0]) - 1) > SMALL
-    inner = int(placement_tokens(first_around(ring), small)[0]) - 4 * scaled
-    return LOOP + place + AROUND + 3 + GROWTH + 2 * scaled + max(inner - AROUND, 0)
+    scaled = np.abs(first.scale - 1) > SMALL
+    inner = placement_tokens(around_axis(ring, first), small) - 4 * scaled
+    whole = LOOP + place + AROUND + 3 + GROWTH + 2 * scaled + np.maximum(inner - AROUND, 0)
+    return np.asarray(whole, np.int64)
 
 
 def _cell_tokens(cell: Cell) -> int:

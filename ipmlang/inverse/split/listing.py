@@ -88,9 +88,13 @@ def _group(own: Listing, rows: Integers) -> int:
     return min(alone, least + signs + turned)
 
 
-def every_token(frames: Frames, alone: Integers, small: float) -> int:
-    """Tokens of all of a list."""
-    if len(frames) >= FEWEST:
-        return list_tokens(listing(frames, alone, small), np.arange(len(frames)))
-    signs = (_degrees(frames) < 0).sum() if frames.rotation[:, 1:].any() else 0
-    return int(alone.sum() + signs)
+def every_token(frames: Frames, alone: Integers, small: float, lists: int = 1) -> Integers:
+    """(l,) tokens of all of a list; of several lists of equal length one after the other."""
+    count = len(frames) // lists
+    if count >= FEWEST:
+        own = listing(frames, alone, small)
+        rows = np.arange(len(frames)).reshape(lists, count)
+        return np.array([list_tokens(own, each) for each in rows], np.int64)
+    if frames.rotation[:, 1:].any():
+        alone = alone + (_degrees(frames) < 0).sum(axis=1)
+    return np.asarray(alone.reshape(lists, count).sum(axis=1))

@@ -37,7 +37,12 @@ def axis_frame(ring: Ring) -> Frames:
 
 def first_around(ring: Ring) -> Frames:
     """Where the first member of a ring stands, seen from the axis."""
-    return tidy(compose(inverse(axis_frame(ring)), ring.first))
+    return around_axis(ring, ring.first)
+
+
+def around_axis(ring: Ring, frames: Frames) -> Frames:
+    """Frames as seen from the axis of a ring."""
+    return tidy(compose(inverse(axis_frame(ring)), frames))
 
 
 def tidy(frames: Frames) -> Frames:

@@ -11,8 +11,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from ipmlang.inverse.frames import Frames, around, compose, inverse
-from ipmlang.inverse.split.cost import item_tokens, placement_tokens, scheme_tokens
+from ipmlang.inverse.frames import Frames, Integers, around, compose, inverse, join
+from ipmlang.inverse.split.cost import (
+    ANCHOR,
+    item_tokens,
+    placement_tokens,
+    scheme_tokens,
+    tokens_from,
+)
+from ipmlang.inverse.split.listing import every_token
 from ipmlang.inverse.split.scheme import (
     Array,
     Item,
@@ -83,18 +90,28 @@ def _filling(item: Item) -> list[int]:
 
 def _home(items: list[Place | Array | Ring], small: float) -> Frames | None:
     """Where the terminal of these items is best at home; None: where it is."""
-    singly = [item.frames for item in items if isinstance(item, Place)]
-    candidates = [first_around(item) for item in items if isinstance(item, Ring)]
-    candidates += [frames[row : row + 1] for frames in singly for row in range(len(frames))]
-    costly = [each for each in candidates if int(placement_tokens(each, small)[0]) > 1]
-    best, least = None, sum(item_tokens(item, small) for item in items)
-    for home in costly[:TRIED]:
-        if abs(home.scale[0] - 1) > 1e-12:
-            continue
-        tokens = sum(item_tokens(_seen_from(item, home), small) for item in items)
-        if tokens < least:
-            best, least = home, tokens
-    return best
+    around_axes = [first_around(item) for item in items if isinstance(item, Ring)]
+    every = join([*around_axes, *(item.frames for item in items if isinstance(item, Place))])
+    costly = np.flatnonzero(placement_tokens(every, small) > 1)[:TRIED]
+    homes = every[costly[np.abs(every.scale[costly] - 1) <= 1e-12]]
+    if not len(homes):
+        return None
+    tokens = np.sum([_tokens_from(item, homes, small) for item in items], axis=0)
+    best = int(np.argmin(tokens))
+    stay = sum(item_tokens(item, small) for item in items)
+    return homes[best : best + 1] if tokens[best] < stay else None
+
+
+def _tokens_from(item: Place | Array | Ring, homes: Frames, small: float) -> Integers:
+    """(h,) tokens of an item for a terminal that was moved to one of these frames."""
+    back = inverse(homes)
+    if not isinstance(item, Place):
+        return tokens_from(item, tidy(compose(item.first, back)), small)
+    count, many = len(item.frames), len(homes)
+    own = item.frames[np.arange(count * many) % count]
+    moved = tidy(compose(own, back[np.repeat(np.arange(many), count)]))
+    alone = placement_tokens(moved, small) + ANCHOR * len(item.anchors)
+    return every_token(moved, alone, small, many)
 
 
 def _seen_from(item: Place | Array | Ring, home: Frames) -> Place | Array | Ring:

@@ -122,4 +122,4 @@ def _without(base: Priced, index: int, gone: Integers, limits: Limits) -> int:
     whole = np.setdiff1d(np.arange(len(found.each)), broken)
     singly = base.draft.frames[rows[left & ~np.isin(found.patterns, whole)]]
     alone = placement_tokens(singly, limits.small)
-    return int(found.each[whole].sum()) + every_token(singly, alone, limits.small)
+    return int(found.each[whole].sum() + every_token(singly, alone, limits.small)[0])
