@@ -7,12 +7,13 @@ mark or a bracket is one token. Follows what `printing` prints; nothing here pri
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import assert_never
+from typing import TypeGuard, assert_never
 
 import numpy as np
 
-from ipmlang.inverse.frames import Floats, Frames, Integers
-from ipmlang.inverse.split.listing import every_token
+from ipmlang.inverse.frames import Floats, Frames, Integers, join
+from ipmlang.inverse.split.listing import FEWEST as ROWS
+from ipmlang.inverse.split.listing import every_token, singly_tokens
 from ipmlang.inverse.split.scheme import (
     Array,
     Cell,
@@ -106,13 +107,13 @@ def _array_tokens(array: Array, first: Frames, small: float) -> Integers:
     own = own + still * np.where(own > 1, VECTOR, VECTOR + AROUND - 1)
     loops = [_loop_tokens(each, small) for each in array.directions]
     if not array.holes:
-        return own + sum(loops)
+        return np.asarray(own + sum(loops))
     if len(loops) == 1 or not any(direction.steps for direction in array.directions):
         through = 8 * (len(loops) - 1)
-        return own + sum(loops) + EXCEPT + len(array.holes) + through
+        return np.asarray(own + sum(loops) + EXCEPT + len(array.holes) + through)
     rows = len({hole[1:] for hole in array.holes})  # these are written again, with what is left out
     again = rows * (own + loops[0] + EXCEPT + 1) + len(array.holes)
-    return own + sum(loops) + EXCEPT + again
+    return np.asarray(own + sum(loops) + EXCEPT + again)
 
 
 def fewest_tokens(directions: Sequence[tuple[int, bool]], holes: int) -> int:
@@ -167,7 +168,19 @@ def _cell_tokens(cell: Cell) -> int:
 
 def rule_tokens(rule: Rule, small: float) -> int:
     """Tokens of a rule with its head."""
-    return HEAD + sum(item_tokens(item, small) for item in rule.items)
+    short = [item for item in rule.items if _is_short(item)]
+    others = sum(item_tokens(item, small) for item in rule.items if not _is_short(item))
+    if not short:
+        return HEAD + others
+    frames = join([item.frames for item in short])
+    anchors = np.repeat([len(item.anchors) for item in short], [len(item.frames) for item in short])
+    alone = placement_tokens(frames, small) + ANCHOR * anchors
+    return HEAD + others + int(singly_tokens(frames, alone).sum())
+
+
+def _is_short(item: Item) -> TypeGuard[Place]:
+    """Whether an item is a list too short for a table: many are counted at once."""
+    return isinstance(item, Place) and item.stretch is None and len(item.frames) < ROWS
 
 
 def scheme_tokens(scheme: Scheme, small: float) -> int:

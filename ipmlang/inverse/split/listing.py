@@ -42,7 +42,7 @@ def listing(frames: Frames, alone: Integers, small: float) -> Listing:
     values[:, 3:6] = _degrees(frames)
     values[:, 6] = np.rint(frames.scale / 1e-9)
     signs = values < 0
-    turned = values[:, 3:6].any(axis=1)
+    turned = np.asarray(values[:, 3:6].any(axis=1))
     hand = frames.hand < 0
     turn = np.zeros(len(frames), np.int64)
     if (values[1:, 3:] != values[:-1, 3:]).any():
@@ -95,6 +95,11 @@ def every_token(frames: Frames, alone: Integers, small: float, lists: int = 1) -
         own = listing(frames, alone, small)
         rows = np.arange(len(frames)).reshape(lists, count)
         return np.array([list_tokens(own, each) for each in rows], np.int64)
+    return np.asarray(singly_tokens(frames, alone).reshape(lists, count).sum(axis=1))
+
+
+def singly_tokens(frames: Frames, alone: Integers) -> Integers:
+    """(n,) tokens of placements that are in no table; alone (n,): without the signs of angles."""
     if frames.rotation[:, 1:].any():
-        alone = alone + (_degrees(frames) < 0).sum(axis=1)
-    return np.asarray(alone.reshape(lists, count).sum(axis=1))
+        return np.asarray(alone + (_degrees(frames) < 0).sum(axis=1))
+    return alone

@@ -13,7 +13,7 @@ from typing import TypeAlias, TypeGuard
 
 import numpy as np
 
-from ipmlang.inverse.frames import Floats, Frames, Integers
+from ipmlang.inverse.frames import Floats, Frames, Integers, join
 from ipmlang.inverse.split.changing import moved, named_symbols
 from ipmlang.inverse.split.cost import ASSET, item_tokens, placement_tokens, rule_tokens
 from ipmlang.inverse.split.facades.cells import Span, spans
@@ -114,12 +114,19 @@ class Building:
 
     def _at_home(self, symbol: Symbol) -> Iterator[tuple[Home, int]]:
         """Where terminals stand alone in a rule, and the tokens which that takes."""
-        for item in symbol.items if isinstance(symbol, Rule) else ():
-            if isinstance(item, Place) and len(item.frames) == 1:
-                tokens = int(placement_tokens(item.frames, self.small)[0]) - 1
-                if tokens and isinstance(self.made[item.symbol], Terminal):
-                    place = np.round(item.frames.position[0] / (16 * self.small))
-                    yield (item.symbol, tuple(place.tolist())), tokens
+        single = [
+            item
+            for item in (symbol.items if isinstance(symbol, Rule) else ())
+            if isinstance(item, Place) and len(item.frames) == 1
+            if isinstance(self.made[item.symbol], Terminal)
+        ]
+        if single:
+            frames = join([item.frames for item in single])
+            tokens = placement_tokens(frames, self.small) - 1
+            place = np.round(frames.position / (16 * self.small))
+            for item, own, at in zip(single, tokens.tolist(), place.tolist(), strict=True):
+                if own:
+                    yield (item.symbol, tuple(at)), own
 
     def below(self, number: int) -> frozenset[int]:
         """All symbols that a symbol needs, with itself."""

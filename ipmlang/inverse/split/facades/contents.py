@@ -25,6 +25,7 @@ from ipmlang.inverse.split.distinct import numbered
 from ipmlang.inverse.split.expansion import placements
 from ipmlang.inverse.split.paper.labelling import TURNED
 from ipmlang.inverse.split.scheme import Rule, Scheme
+from ipmlang.inverse.split.snapping import label_rows
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,10 +80,11 @@ class Kinds:
         """(n,) of each row."""
         turned = linear(frames).reshape(-1, 9)
         columns = [numbered(turned[:, column], TURNED) for column in range(9)]
-        told = np.stack([symbol, *columns], axis=1)
-        _, first, kind = np.unique(told, axis=0, return_index=True, return_inverse=True)
+        kind, count = label_rows(np.stack([symbol, *columns], axis=1))
+        first = np.empty(len(count), np.int64)
+        first[kind[::-1]] = np.arange(len(kind))[::-1]
         known = [self._known(int(symbol[row]), turned[row]) for row in first.tolist()]
-        return np.array(known, np.int64)[kind.reshape(-1)]
+        return np.array(known, np.int64)[kind]
 
     def _known(self, symbol: int, turn: Floats) -> int:
         turns = self.turns.setdefault(symbol, [])

@@ -116,11 +116,13 @@ def _without_chance(found: list[Run], label: Integers, small: float) -> list[Run
     kept: list[Run] = []
     for run in found:
         stop = run.first + run.period * run.count
-        alike = np.isin(label, label[run.first : stop])
-        if run.count == 2 and not bool((np.abs(steps[alike] - run.step) <= small).all()):
-            kept += [Run(each, 1, 1, kind=int(label[each])) for each in range(run.first, stop)]
-        else:
-            kept.append(run)
+        if run.count == 2:
+            inside = np.zeros(int(label.max()) + 1, np.bool_)
+            inside[label[run.first : stop]] = True
+            if not bool((np.abs(steps[inside[label]] - run.step) <= small).all()):
+                kept += [Run(each, 1, 1, kind=int(label[each])) for each in range(run.first, stop)]
+                continue
+        kept.append(run)
     return kept
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from ipmlang.inverse.frames import Floats, Integers
 from ipmlang.inverse.split.distinct import numbered
+from ipmlang.inverse.split.snapping import label_rows, members
 
 FEWEST = 3  # members of a row that is a pattern though it does not hold all copies
 
@@ -130,14 +131,18 @@ def _skewed_steps(points: Floats, small: float) -> Floats | None:
     corner = points[np.lexsort((points[:, 0], points[:, 1], points[:, 2]))[0]]
     away = points - corner
     length = np.linalg.norm(away, axis=1)
-    steps: list[Floats] = []
-    for row in np.argsort(length, kind="stable")[1:]:
-        held = np.array([*steps, away[row]])
-        if np.linalg.matrix_rank(held / length[row], tol=1e-3) == len(held):
-            steps.append(away[row])
-        if len(steps) == 3:
+    order = np.argsort(length, kind="stable")
+    order = order[length[order] > small]
+    away, length = away[order], length[order]
+    steps = away[:1]
+    while 0 < len(steps) < 3:
+        held = np.repeat(steps[None], len(away), axis=0)
+        held = np.concatenate([held, away[:, None]], axis=1) / length[:, None, None]
+        beyond = np.flatnonzero(np.linalg.matrix_rank(held, tol=1e-3) > len(steps))
+        if not len(beyond):
             break
-    return np.array(steps) if steps else None
+        steps = np.concatenate([steps, away[beyond[:1]]])
+    return steps if len(steps) else None
 
 
 def _filled(points: Floats, rows: Integers, steps: Floats, small: float) -> Lattice | None:
@@ -149,7 +154,7 @@ def _filled(points: Floats, rows: Integers, steps: Floats, small: float) -> Latt
     order = np.lexsort(digits.T)
     digits, rows, points = digits[order], rows[order], points[order]
     counts = digits.max(axis=0) + 1
-    if np.prod(counts) != len(rows) or len(np.unique(digits, axis=0)) != len(rows):
+    if np.prod(counts) != len(rows) or not (digits[1:] != digits[:-1]).any(axis=1).all():
         return None
     known = np.concatenate([np.ones((len(rows), 1)), digits], axis=1)
     fitted = np.linalg.lstsq(known, points, rcond=None)[0]
@@ -168,7 +173,5 @@ def _levels(values: Floats, small: float) -> Floats:
 
 def _grouped(rows: Integers, kinds: Integers) -> Iterator[Integers]:
     """Rows whose kinds (n, k) are the same."""
-    _, number = np.unique(kinds, axis=0, return_inverse=True)
-    number = number.reshape(-1)
-    order = np.argsort(number, kind="stable")
-    yield from np.split(rows[order], np.flatnonzero(np.diff(number[order])) + 1)
+    number, count = label_rows(kinds)
+    yield from (rows[own] for own in members(number, len(count)))

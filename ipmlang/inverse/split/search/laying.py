@@ -161,7 +161,7 @@ def symmetry_of(draft: Draft, motif: Motif, limits: Limits) -> Frames:
             row += len(some)
             body = np.zeros(len(ways), np.int64)
             hit = look_up_moved(field, some, motion, body, limits.error)
-            kept = (hit >= 0).all(axis=0)
+            kept = np.asarray((hit >= 0).all(axis=0))
             ways, motion = ways[kept], motion[kept]
     exact = _rounded(from_matrices(plain(matrices(ways))), limits)
     return exact[:MOST_FRAMES]

@@ -228,7 +228,10 @@ def _axis(
     """Where the axis stands and how much a step rises, by least squares: linear in the center, the
     rise and the place of the first member.
     """
-    turned = turns(about(axis, angle * index)) * (growth ** index.astype(np.float64))[:, None, None]
+    turned = (
+        turns(about(axis, np.asarray(angle * index, np.float64)))
+        * (growth ** index.astype(np.float64))[:, None, None]
+    )
     still = np.eye(3) - turned
     rises = index[:, None] * axis
     known = np.concatenate([turned, still, rises[:, :, None]], axis=2).reshape(-1, 7)

@@ -83,9 +83,7 @@ def _apart(field: Field, pairs: Integers, error: float) -> Integers:
     return np.stack([distance, snap(second / first, SCALED)], axis=1)
 
 
-def seeds(
-    field: Field, edges: Edges, labels: Sequence[Integers], error: float
-) -> list[list[Seed]]:
+def seeds(field: Field, edges: Edges, labels: Sequence[Integers], error: float) -> list[list[Seed]]:
     """The seeds among edges of some labels, given by their rows, for each label."""
     left = [_ordered(field, edges, chosen) for chosen in labels]
     found: list[list[Seed]] = [[] for _ in labels]
@@ -159,7 +157,9 @@ def _again(count: int, times: int) -> Integers:
 
 def _once(numbers: Integers) -> Integers:
     """Numbers in order, without those that are there already."""
-    return numbers[np.concatenate([[True], numbers[1:] != numbers[:-1]])] if len(numbers) else numbers
+    new = np.ones(len(numbers), np.bool_)
+    new[1:] = numbers[1:] != numbers[:-1]
+    return numbers[new]
 
 
 def _disjoint(pairs: Integers) -> Integers:

@@ -131,15 +131,14 @@ def _grown(field: Field, limits: Limits) -> Iterator[tuple[list[Grown], int]]:
     edges = edges_of(field, limits.error)
     covered = np.zeros(len(edges.pairs), np.bool_)
     found: list[Grown] = []
-    used, tried = 0, 0
-    for alike in _seeded(field, edges, covered, limits.error):
+    used = 0
+    for tried, alike in enumerate(_seeded(field, edges, covered, limits.error), 1):
         for seed in alike:
             chain, took = grow(field, seed, limits.error)
             used += took + len(seed.of)
             found += chain
             for each in chain[:1] + chain[-1:]:
                 _cover(edges, each, covered)
-        tried += 1
         if tried % SEEDS == 0:
             yield found, used
             found, used = [], 0
@@ -160,7 +159,8 @@ def _seeded(field: Field, edges: Edges, covered: Flags, error: float) -> Iterato
             at += 1
             if not covered[chosen].all():
                 some.append(chosen)
-                ways += len(chosen) * int(field.round[field.draft.symbol[edges.pairs[chosen[0]]]].max())
+                symbols = field.draft.symbol[edges.pairs[chosen[0]]]
+                ways += len(chosen) * int(field.round[symbols].max())
         for chosen, found in zip(some, seeds(field, edges, some, error), strict=True):
             if not covered[chosen].all():
                 yield found
