@@ -46,6 +46,7 @@ def _terms() -> Floats:
 
 
 _PRODUCTS, _TERMS = _products(), _terms()
+_STILL = np.eye(3).ravel()
 _BENT = np.where(np.eye(3) > 0, 1e-5, 1e-12)  # how far a square may be off that of a turn
 _BACK = np.array([1.0, -1.0, -1.0, -1.0])
 _OTHER = np.array([[0, 1, 2, 3], [1, 0, 3, 2], [2, 3, 0, 1], [3, 2, 1, 0]])
@@ -112,11 +113,8 @@ def linear(frames: Frames) -> Floats:
 
 def turns(rotation: Floats) -> Floats:
     """(n, 3, 3) matrices of unit quaternions (n, 4)."""
-    turned = np.zeros((len(rotation), 9))
-    turned[:, ::4] = 1.0
-    if rotation[:, 1:].any():
-        turned += (rotation[:, :, None] * rotation[:, None]).reshape(-1, 16) @ _PRODUCTS
-    return turned.reshape(-1, 3, 3)
+    products = (rotation[:, :, None] * rotation[:, None]).reshape(-1, 16)
+    return np.asarray((products @ _PRODUCTS + _STILL).reshape(-1, 3, 3))
 
 
 def matrices(frames: Frames) -> Floats:

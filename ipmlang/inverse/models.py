@@ -155,7 +155,8 @@ def _shorter(goal: _Goal, found: Scheme, plain: Scheme, small: float) -> bool:
     at_least = scheme_tokens(plain, small) - MOST_AT_HOME * len(goal.parts.classes)
     if 2 * scheme_tokens(found, small) < at_least:
         return True
-    return _length(goal, found) < _length(goal, plain)
+    length = _length(goal, found)
+    return length < at_least or length < _length(goal, plain)
 
 
 def _length(goal: _Goal, scheme: Scheme) -> int:

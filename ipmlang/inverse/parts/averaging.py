@@ -61,7 +61,7 @@ def averaged(placed: Placed, chosen: int, decimals: int | None, tolerance: float
     middle = _symmetric(placed, (laid.min(axis=0) + laid.max(axis=0)) / 2)
     plainer = [_plainer(own, shape, decimals) for shape in (mean.shape, middle)]
     shapes = [each for some in zip(*plainer, strict=True) for each in some]
-    fits = [alone, *(fitted(placed, each, tolerance) for each in [*shapes, mean.shape, middle])]
+    fits = [alone, *_fits(placed, [*shapes, mean.shape, middle], tolerance)]
     off = [float(np.hypot(fit.misfit.max(), _lopsided(placed, fit.shape))) for fit in fits]
     bound = max(_NEARLY * min(off), _ENOUGH * tolerance)
     best = next(fit for fit, each in zip(fits, off, strict=True) if each <= bound)
@@ -83,9 +83,21 @@ def _neatly(placed: Placed, fit: Fit, decimals: int, bound: float) -> Fit:
     )
 
 
+def _fits(placed: Placed, shapes: list[Floats], tolerance: float) -> list[Fit]:
+    """The fits to several shapes, found together."""
+    many, count = len(shapes), len(placed.points)
+    row = np.arange(many * count) % count
+    every = replace(placed, points=placed.points[row], linear=placed.linear[row])
+    found = fitted(every, np.repeat(np.stack(shapes), count, axis=0), tolerance)
+    return [
+        Fit(shape, found.linear[own], found.shift[own], found.misfit[own])
+        for shape, own in zip(shapes, np.split(np.arange(many * count), many), strict=True)
+    ]
+
+
 def fitted(placed: Placed, shape: Floats, tolerance: float) -> Fit:
-    """The turns and shifts with which the copies are nearest to a shape; plain turns where they are
-    within the tolerance.
+    """The turns and shifts with which the copies are nearest to a shape, (v, 3), or one for each
+    (k, v, 3); plain turns where they are within the tolerance.
     """
     points, linear = placed.points, placed.linear
     sign = np.sign(np.linalg.det(linear))

@@ -12,6 +12,7 @@ import numpy as np
 from ipmlang.formats.distinct import distinct_rows
 from ipmlang.inverse.frames import Floats, Integers
 
+_FEW = 2000  # pairs for which no matrix is made
 SAME, MEETING = 1e-7, 5e-6  # shares of the diagonal; bricks that lie near are not one
 
 
@@ -34,15 +35,33 @@ def welded(points: Floats, diagonal: float) -> tuple[Integers, Integers]:
 
 
 def linked(count: int, pairs: Integers) -> Integers:
-    """The connected component of each of `count` nodes under pairs (p, 2)."""
+    """The connected component of each of `count` nodes under pairs (p, 2), numbered in the order
+    of their first nodes.
+    """
+    if len(pairs) <= _FEW:
+        return _linked(count, pairs)
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
-    if not len(pairs):
-        return np.arange(count)
     ones = np.ones(len(pairs), np.int8)
     graph = coo_matrix((ones, (pairs[:, 0], pairs[:, 1])), (count, count))
     return connected_components(graph, directed=False)[1].astype(np.int64)
+
+
+def _linked(count: int, pairs: Integers) -> Integers:
+    """The same without a matrix: the least node of each component leads it."""
+    lead = np.arange(count)
+    while True:
+        ends = lead[pairs]
+        apart = ends[:, 0] != ends[:, 1]
+        if not apart.any():
+            break
+        pairs, ends = pairs[apart], ends[apart]
+        np.minimum.at(lead, ends.max(axis=1), ends.min(axis=1))
+        above = lead[lead]
+        while (above != lead).any():
+            lead, above = above, above[above]
+    return np.asarray((np.cumsum(lead == np.arange(count)) - 1)[lead])
 
 
 def connected_faces(nodes: Integers, offsets: Integers) -> Integers:

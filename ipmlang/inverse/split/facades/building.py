@@ -18,7 +18,7 @@ from ipmlang.inverse.split.changing import moved, named_symbols
 from ipmlang.inverse.split.cost import ASSET, item_tokens, placement_tokens, rule_tokens
 from ipmlang.inverse.split.facades.cells import Span, spans
 from ipmlang.inverse.split.facades.contents import Contents, same, sorted_rows
-from ipmlang.inverse.split.facades.guillotine import Groups, runs, side_by_side, ways
+from ipmlang.inverse.split.facades.guillotine import Groups, Run, runs, side_by_side, ways
 from ipmlang.inverse.split.paper.subdivisions import lattices
 from ipmlang.inverse.split.scheme import (
     Array,
@@ -77,6 +77,7 @@ class Building:
     _wraps: dict[tuple[int | None, int, int], list[tuple[int, float, Floats]]] = field(
         default_factory=dict
     )
+    _cuts: dict[tuple[int, bytes], list[tuple[Groups, list[Run]]]] = field(default_factory=dict)
     _left: int = MOST
 
     # -------------------------------------------------------------- symbols
@@ -209,8 +210,7 @@ class Building:
     def _splits(self, inside: Contents, size: Floats, bare: int) -> list[int]:
         found = []
         for axis in (2, 0, 1):  # of ways that cost the same, floors of bays
-            for groups in side_by_side(inside, axis, self.small):
-                chosen = runs(inside, groups, axis, self.small)
+            for groups, chosen in self.cuts(inside, axis):
                 if all(run.count == 1 for run in chosen) and (bare or len(chosen) > MOST_BARE):
                     continue
                 cutting = _Cutting(inside, size, axis, groups, bare)
@@ -219,6 +219,17 @@ class Building:
                     if laid is not None:
                         found.append(self._split(cutting, laid))
         return found
+
+    def cuts(self, inside: Contents, axis: int) -> list[tuple[Groups, list[Run]]]:
+        """The ways to cut sorted contents along an axis, each with its runs of groups."""
+        columns = (inside.kind, inside.low, inside.high, inside.frames.position)
+        key = (axis, b"".join(column.tobytes() for column in columns))
+        if key not in self._cuts:
+            self._cuts[key] = [
+                (groups, runs(inside, groups, axis, self.small))
+                for groups in side_by_side(inside, axis, self.small)
+            ]
+        return self._cuts[key]
 
     def _split(self, cutting: _Cutting, laid: list[Span]) -> int:
         if any(span.count > 1 for span in laid):

@@ -18,9 +18,8 @@ from ipmlang.inverse.split.cost import scheme_tokens
 from ipmlang.inverse.split.expansion import expand
 from ipmlang.inverse.split.facades.anchoring import anchored
 from ipmlang.inverse.split.facades.building import Building, bonus, is_cut, repeats
-from ipmlang.inverse.split.facades.contents import Contents, Kinds, contents
+from ipmlang.inverse.split.facades.contents import Contents, Kinds, contents, sorted_rows
 from ipmlang.inverse.split.facades.following import following
-from ipmlang.inverse.split.facades.guillotine import runs, side_by_side
 from ipmlang.inverse.split.facades.homes import at_home
 from ipmlang.inverse.split.facades.matching import matched
 from ipmlang.inverse.split.growing import with_scopes
@@ -119,7 +118,7 @@ class _Rewriting:
         yield _Way(self._building.add(replace(rule, items=items)), np.zeros(3))
         sizes = set()
         for depth in range(DEEPEST + 1):
-            inside = self._contents(rule, depth)
+            inside = sorted_rows(self._contents(rule, depth), self._small)
             if len(inside) in sizes or not 1 < len(inside) <= MOST:
                 continue
             sizes.add(len(inside))
@@ -145,8 +144,7 @@ class _Rewriting:
         """(3,) what a scope lacks for the last cell of a row that reaches its ends."""
         room = np.zeros(3)
         for axis in range(3):
-            for groups in side_by_side(inside, axis, self._small):
-                found = runs(inside, groups, axis, self._small)
+            for groups, found in self._building.cuts(inside, axis):
                 stop = found[0].first + found[0].period
                 if len(found) == 1 and found[0].count > 1:
                     slack = found[0].step - float(groups.high[:stop].max() - groups.low[0])

@@ -7,10 +7,11 @@ each other. Nothing here knows symbols.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from math import prod
+from math import hypot, prod
+from operator import mul
 from typing import TypeAlias
 
 import numpy as np
@@ -101,17 +102,28 @@ def _pairs(points: Floats) -> tuple[Integers, Integers]:
 
 def _completed(along: Floats) -> Floats | None:
     """(3, 3) columns: the directions and what is square to them; None if they are too flat."""
-    if len(along) == 1:
-        other = np.eye(3)[np.argmin(np.abs(along[0]))]
-        second = np.cross(along[0], other)
-        along = np.stack([along[0], second / np.linalg.norm(second)])
-    if len(along) == 2:
-        third = np.cross(along[0], along[1])
-        sine = float(np.linalg.norm(third))
+    columns: list[list[float]] = along.tolist()
+    if len(columns) == 1:
+        least = min(range(3), key=lambda axis: abs(columns[0][axis]))
+        second = _across(columns[0], [float(axis == least) for axis in range(3)])
+        columns.append([each / hypot(*second) for each in second])
+    if len(columns) == 2:
+        third = _across(columns[0], columns[1])
+        sine = hypot(*third)
         if sine < FLAT:
             return None
-        along = np.concatenate([along, third[None] / sine])
-    return np.asarray(along.T) if abs(np.linalg.det(along)) > FLAT else None
+        columns.append([each / sine for each in third])
+    volume = sum(map(mul, columns[0], _across(columns[1], columns[2])))
+    return np.array(columns).T if abs(volume) > FLAT else None
+
+
+def _across(one: Sequence[float], two: Sequence[float]) -> list[float]:
+    """What is square to both."""
+    return [
+        one[1] * two[2] - one[2] * two[1],
+        one[2] * two[0] - one[0] * two[2],
+        one[0] * two[1] - one[1] * two[0],
+    ]
 
 
 def _lattices(
