@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from ipmlang.compiler import ir
 from ipmlang.runtime.algebra import Operand, Source
 from ipmlang.runtime.code import INFIX, SOUND, Data, Names, expression, source
-from ipmlang.runtime.fields import FRAME, IDENTITY, UNSET
+from ipmlang.runtime.fields import FRAME, IDENTITY, LAG, UNSET
 from ipmlang.runtime.fields import SCOPE as SCOPE_FIELDS
 from ipmlang.runtime.grouping import FIELD
 from ipmlang.runtime.motion import Motion, State
@@ -367,6 +367,8 @@ class Writer:
         own, after = state, state
         if self.ended != start:
             own, after = self._walked(state, self.ended, start, state, "counts", "owner")
+        if LAG in state:
+            own = {**own, LAG: self.source.let(f"{source(state[LAG])} + arange({scope.count})")}
         self.body(elements, scope, dict(own))
         self.ended = after
 

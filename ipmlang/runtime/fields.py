@@ -10,12 +10,14 @@ import math
 from collections.abc import Iterable, Iterator
 
 from ipmlang.compiler import ir
+from ipmlang.runtime.chains import tail_of
 from ipmlang.runtime.queries.marks import FIELD as MARK
 from ipmlang.runtime.queries.marks import FIRST, PHASE, asked
 from ipmlang.runtime.scopes.joins import FIELD as JOIN
 from ipmlang.runtime.scopes.laying import FIELD as UV
 
 TRIM = "trim"  # the number of the face that a shape came of, which `trim` asks for
+LAG = "lag"  # how many generations later than it waits a shape was made
 FLAT = (1.0, 0.0, 0.0, 0.0)  # heading +x, left +y, up +z
 BOOK = (0.0, 1.0, 0.0, 0.0)  # heading +x, left -y, up -z: the published end points need it
 UPRIGHT = (0.5, 0.5, -0.5, 0.5)  # heading +z, left -x, up -y
@@ -52,6 +54,8 @@ def fields(program: ir.Program) -> dict[str, float]:
         found[PHASE] = FIRST
     if "layer" in ops:
         found["layer"] = 0.0
+    if _branches(program):
+        found[LAG] = 0.0
     width = program.pen_width
     if ("pen", "width") in used or width is not None:
         found["width"] = math.nan if width is None else width
@@ -60,6 +64,20 @@ def fields(program: ir.Program) -> dict[str, float]:
     for _, name in sorted(each for each in used if each[0] == "pen" and each[1] != "width"):
         found[name] = -1.0
     return found
+
+
+def _branches(program: ir.Program) -> bool:
+    """Whether rows of a chain may make shapes beside the next row."""
+    if program.scoped or program.steps is not None:
+        return False
+    for number, symbol in enumerate(program.symbols):
+        first = program.productions[symbol.productions[0]] if symbol.productions else None
+        if first is not None and tail_of(first, number) is not None:
+            children = (each for each in _all((first.body,)) if each.op == "module")
+            ruled = (program.symbols[int(str(each.const))] for each in children)
+            if sum(bool(own.productions) for own in ruled) > 1:
+                return True
+    return False
 
 
 def _joins(program: ir.Program) -> bool:

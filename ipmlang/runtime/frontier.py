@@ -23,6 +23,7 @@ from ipmlang.runtime.choose import Choice, ShapeError, module, told
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.compiled import Compiled
 from ipmlang.runtime.drawings import Chunk
+from ipmlang.runtime.fields import LAG
 from ipmlang.runtime.grouping import Grouping
 from ipmlang.runtime.keys import Words
 from ipmlang.runtime.levels import Levels
@@ -75,6 +76,7 @@ class Frontier(Trimming):
         self.draws = draws
         self._initial = initial
         self.fields = tuple(initial)
+        self._lag = self.fields.index(LAG) if LAG in initial else None
         self.steps = steps
         self.compiled = Compiled(Setting(bound.program, self.fields, bound.attrs, bound.data))
         self.pending = Pending()
@@ -161,7 +163,7 @@ class Frontier(Trimming):
         if self.program.symbols[symbol].apart and generation < FINAL:
             grow(self, symbol, generation, shapes)
             return
-        numbers = self.alternatives(symbol, generation)
+        numbers = self.alternatives(symbol, generation, shapes.state)
         if not numbers:
             self._apply_meaning(symbol, shapes)
             return
@@ -187,14 +189,21 @@ class Frontier(Trimming):
             whole = len(each.rows) == shapes.count
             self.apply(each.production, shapes if whole else shapes.take(each.rows))
 
-    def alternatives(self, symbol: int, generation: int) -> tuple[int, ...]:
-        """The productions that apply now, and the generation of what they make."""
+    def alternatives(
+        self, symbol: int, generation: int, state: tuple[Column, ...]
+    ) -> tuple[int, ...]:
+        """The productions that apply now to shapes in some states; notes the generation of what
+        they make. What the rows of a chain made waits in one generation, and carries by how much
+        it is too early.
+        """
         own = self.program.symbols[symbol]
         if generation < FINAL:
             if own.productions and (self.steps is None or generation < self.steps):
                 self.following = generation + 1
-                self.generations = max(self.generations, generation + 1)
-                self.counted.deep(generation + 1, own.productions[0])
+                lag = 0.0 if self._lag is None else state[self._lag]
+                late = int(lag.max() if isinstance(lag, np.ndarray) else lag)
+                self.generations = max(self.generations, generation + 1 + late)
+                self.counted.deep(generation + 1 + late, own.productions[0])
                 return own.productions
             if own.interpretation:
                 self.following = FINAL
@@ -299,16 +308,17 @@ class Frontier(Trimming):
 
     def _check_columns(self, chunk: Chunk, columns: Iterable[Column], said: str) -> None:
         for column in columns:
-            if not np.isfinite(np.sum(column)):
-                wrong = np.flatnonzero(~np.isfinite(np.atleast_1d(column)))
-                if len(wrong):
-                    count = chunk.count if np.ndim(column) == 0 else len(wrong)
-                    what = "something of" if count == 1 else f"{count:,} things of"
-                    raise self.counted.error(
-                        "not-a-number",
-                        f"it would draw {what} {said} that is not a finite number",
-                        row=int(wrong[0]),
-                    )
+            if np.isfinite(np.sum(column)) or not chunk.count:
+                continue
+            wrong = np.flatnonzero(~np.isfinite(np.atleast_1d(chunk.column(column))))
+            if len(wrong):
+                count = chunk.count if np.ndim(column) == 0 else len(wrong)
+                what = "something of" if count == 1 else f"{count:,} things of"
+                raise self.counted.error(
+                    "not-a-number",
+                    f"it would draw {what} {said} that is not a finite number",
+                    row=int(wrong[0] if chunk.rows is None else chunk.rows[wrong[0]]),
+                )
 
     def note(self, chunk: Chunk) -> Drawn:
         """Keep a chunk of drawings."""

@@ -58,7 +58,7 @@ class Single:
         frontier = self._frontier
         if not np.isfinite(sum(params)):
             frontier.not_finite(symbol, 1, number)
-        numbers = frontier.alternatives(symbol, generation)
+        numbers = frontier.alternatives(symbol, generation, state)
         self._following = frontier.following
         if not numbers:
             if frontier.program.symbols[symbol].meaning:

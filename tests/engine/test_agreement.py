@@ -64,6 +64,8 @@ def test_batches_single_shapes_and_strings_agree(
         if not bound.scoped:
             string = outcome(lambda: derive_string(bound, attrs, number, bound.limits))  # noqa: B023
             assert_agree(wanted, string, text)
+            if not isinstance(wanted, Scene):
+                continue
             scene = derive_frontier(bound, attrs, number, bound.limits)
             assert scene is None or disagreements(scene, string) == []
 

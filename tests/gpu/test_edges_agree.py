@@ -69,6 +69,10 @@ NUMBERS = (
 GROWTH = (
     "A(n) : n > 0 --> F(1) +(3) A(n - 1)\nA(n) : else --> F\nstart A(3000)",
     "A(n) : n > 0 --> F(1) [-(40) F] +(3) A(n - 1)\nA(n) : else --> F\nstart A(900) A(9)",
+    "A(n) : n > 0 --> F +(1) [B(n)] A(n - 1)\nA(n) : else --> F\n"
+    "B(n) : n > 0 --> F(0.1) B(n - 60)\nB(n) : else --> nil\nstart A(400)",
+    "A(n) : n > 0 --> +(10) F A(n - 1) -(10) f(1)\nA(n) : else --> F\nstart A(900) F",
+    "A --> repeat(i < 3) except (1) { [F(1 / (i - 1))] [f(1 / (i - 1)) F] }\nstart A",
     "A(n) : n > 0 --> F(1) +(3) A(n - 1) B\nA(n) : else --> F\nB --> -(1) F\nstart A(700)",
     "A(n) : n > 0 --> repeat(i < 6) { [+(i * 60) f(2) *(0.5) A(n - 1)] }\nA(n) : else --> F\n"
     "start A(5)",

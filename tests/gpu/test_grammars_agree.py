@@ -15,6 +15,7 @@ from random import Random
 import pytest
 
 from ipmlang.compiler import compile_file, compile_text
+from ipmlang.compiler.diagnostics import Diagnostic
 from ipmlang.compiler.ir import Program
 from ipmlang.runtime import derive
 from ipmlang.runtime.gpu import machine, seeds
@@ -81,6 +82,8 @@ def agreed(
     if ran != "cpu":
         wanted = outcome(lambda: derive(program, seed=seed, attrs=attrs, on=on))
         assert_agree(wanted, found, told)
+        if isinstance(wanted, Diagnostic):
+            assert found == wanted, told
     return ran
 
 

@@ -145,7 +145,12 @@ void run(uint at, uint action) {
         if (action == DONE) {
             at += 4u;
             switch (word & 255u) {
-            case OP_END: action = RETURN; break;
+            case OP_END:
+                action = RETURN;
+#ifdef PER_SEED
+                if (depth > 0u && spent > budget) action = STOP;  // many calls may end at once
+#endif
+                break;
             case OP_LOAD:
                 result = data[z];
                 writes = true;
