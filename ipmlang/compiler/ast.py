@@ -587,11 +587,13 @@ class Residual:
 class Canvas:
     """`canvas (0, 0, 640, 480) width "10in" height "7.5in"`: lower left corner and size of a
     drawing, y up; the numbers are those of the SVG viewBox, which is flipped about its middle.
+    `decimals 2` rounds the points of what is drawn.
     """
 
     box: tuple[Expr, ...]
     width: str | None = None
     height: str | None = None
+    decimals: int | None = None
     comments: tuple[Comment, ...] = field(default=(), compare=False)
     blank_before: bool = field(default=False, compare=False)
     span: Span = field(default=NOWHERE, compare=False)

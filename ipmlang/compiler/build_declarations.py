@@ -20,6 +20,8 @@ Options: TypeAlias = "list[tuple[str, Any, int, int]]"
 
 FIELD_KINDS: tuple[FieldKind, ...] = ("texture", "scalar", "vector")
 
+MOST_DECIMALS = 12  # of the points of a drawing
+
 
 def build_version(members: Members, start: int, end: int) -> ast.Version:
     return ast.Version(_whole(members[1], start, end), span=Span(start, end))
@@ -228,8 +230,14 @@ def build_residual(members: Members, start: int, end: int) -> ast.Residual:
 
 
 def build_canvas(members: Members, start: int, end: int) -> ast.Canvas:
-    for word, _, begin, finish in members[2]:
-        _known(word, ("width", "height"), "measure of a canvas", begin, finish)
+    for word, value, begin, finish in members[2]:
+        _known(word, ("width", "height", "decimals"), "measure of a canvas", begin, finish)
+        if word == "decimals" and not (value.isdigit() and int(value) <= MOST_DECIMALS):
+            message = f"`decimals` is a whole number from 0 to {MOST_DECIMALS}"
+            raise UnbuildableError("out-of-range", message, begin, finish)
+        if word != "decimals" and not value.startswith('"'):
+            message = f'the {word} of a page is a text, as `{word} "{value}mm"`'
+            raise UnbuildableError("wrong-type", message, begin, finish)
     sizes = once(members[2])
     if len(members[1]) != 4:
         raise UnbuildableError(
@@ -239,6 +247,7 @@ def build_canvas(members: Members, start: int, end: int) -> ast.Canvas:
         tuple(members[1]),
         unquote(sizes["width"], start) if "width" in sizes else None,
         unquote(sizes["height"], start) if "height" in sizes else None,
+        int(sizes["decimals"]) if "decimals" in sizes else None,
         span=Span(start, end),
     )
 

@@ -384,4 +384,6 @@ def _canvas_words(canvas: ast.Canvas) -> list[str]:
         words.append(f"width {quote(canvas.width)}")
     if canvas.height is not None:
         words.append(f"height {quote(canvas.height)}")
+    if canvas.decimals is not None:
+        words.append(f"decimals {canvas.decimals}")
     return words

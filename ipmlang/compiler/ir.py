@@ -299,6 +299,7 @@ class Program:
     limits: Limits = Limits()
     canvas: tuple[float, float, float, float] | None = None
     canvas_size: tuple[str | None, str | None] = (None, None)
+    decimals: int | None = None
     up: Literal["y-up", "z-up"] = "z-up"
     pen_width: float | None = None
     choices: str | None = None

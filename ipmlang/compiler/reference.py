@@ -79,7 +79,8 @@ ITEMS = {
     "limit shapes 2000000 depth 1000": "Where a derivation stops with an error.",
     "tropism (0, 0, -1) 0.22": "What bends segments, and how strongly.",
     "ignore + - F": "Symbols that contexts look through.",
-    'canvas (0, 0, 640, 480) width "10in"': "The sheet of a drawing: lower left corner and size.",
+    'canvas (0, 0, 640, 480) width "10in"': "The sheet of a drawing: lower left corner and size. "
+    "`decimals 2` behind it rounds the points of what is drawn, as the program did that wrote it.",
     "axes y-up": "The up axis that OBJ, STL and PLY are written with.",
     "residual T": "What no rule explains: row k of the table adjusts the k-th terminal that is "
     "drawn, in the order of the derivation; a segment of `F`, an asset, a polygon are terminals. "

@@ -201,12 +201,12 @@ def parts_file(subject: Subject) -> str:
     return f"{subject.stem}.parts.svg"
 
 
-def canvas(observed: Observation) -> list[ast.Item]:
-    """The page of the drawing, if it has one."""
+def canvas(observed: Observation, decimals: int | None = None) -> list[ast.Item]:
+    """The page of the drawing, if it has one; decimals: of the points of what is drawn."""
     if observed.box is None:
         return []
     box = tuple(literal(value) for value in observed.box)
-    return [ast.Canvas(box, observed.drawing.width, observed.drawing.height)]
+    return [ast.Canvas(box, observed.drawing.width, observed.drawing.height, decimals)]
 
 
 def _effects(

@@ -38,6 +38,10 @@ from ipmlang.inverse.terminals import asset_element
 
 TOLERANCE = 4e-7  # of the diagonal: what the ends of segments may be off
 MOST_OTHERS = 40  # elements that are not lines; with more the drawing is no turtle's
+MOST_DECIMALS = 7  # of coordinates that were rounded
+NEAREST = 0.75  # of the last decimal: what rounding both coordinates moves a point by, and a bit
+SAME = 1e-12  # of the largest coordinate: what reading a number may be off
+ROUNDED = 5.0  # seconds for a recursion of rounded points
 RESIDUAL = "Looks"
 NO_STYLE = Style(fill="none", stroke="#000000", stroke_width=math.nan)  # that of a drawn segment
 Integers = NDArray[np.int64]
@@ -54,15 +58,32 @@ def write_recursion(subject: Subject) -> tuple[Written, int] | None:
         return None
     start, end = _ends(observed, rows)
     styles = observed.style[rows].astype(np.int64)
-    found = fold(start, end, styles=styles, tolerance=_share(observed, start, end))
-    return None if found is None else (_written(subject, found, rows), _rules(found))
-
-
-def _share(observed: Observation, start: Complexes, end: Complexes) -> float:
-    """The tolerance as a share of the diagonal of the segments alone."""
     points = np.concatenate([start, end])
-    extent = abs(complex(np.ptp(points.real), np.ptp(points.imag)))
-    return TOLERANCE * observed.diagonal / max(extent, 1e-300)
+    extent = max(1e-300, abs(complex(np.ptp(points.real), np.ptp(points.imag))))
+    found = fold(start, end, styles=styles, tolerance=TOLERANCE * observed.diagonal / extent)
+    decimals = None if found is not None else _decimals(observed, points)
+    if decimals is not None:
+        grain = 10.0**-decimals
+        off = NEAREST * grain / extent
+        found = fold(start, end, styles=styles, tolerance=off, grain=grain, seconds=ROUNDED)
+    if found is None:
+        return None
+    return _written(subject, found, rows, decimals), _rules(found)
+
+
+def _decimals(observed: Observation, points: Complexes) -> int | None:
+    """How many decimals the coordinates of points have, where these are so few that rounding moved
+    the points by more than the tolerance; None where not, or where no page says where y = 0 is.
+    """
+    if observed.box is None:
+        return None
+    values = np.concatenate([points.real, points.imag, [observed.flip]])
+    for decimals in range(MOST_DECIMALS):
+        if 10.0**-decimals < TOLERANCE * observed.diagonal:
+            return None
+        if np.abs(values - np.round(values, decimals)).max() <= SAME * np.abs(values).max():
+            return decimals
+    return None
 
 
 def _rules(recursion: Recursion) -> int:
@@ -99,7 +120,7 @@ def _both(outline: Outline) -> NDArray[np.float64]:
     return np.asarray(outline.coords[0, :2], np.float64)
 
 
-def _written(subject: Subject, found: Recursion, rows: Integers) -> Written:
+def _written(subject: Subject, found: Recursion, rows: Integers, decimals: int | None) -> Written:
     observed, names = subject.observed, Names()
     given = _Others(subject, names)
     taken = frozenset(given.named.values())
@@ -119,7 +140,7 @@ def _written(subject: Subject, found: Recursion, rows: Integers) -> Written:
         *given.placed(range(last + 1, len(observed))),
     )
     tables, stored, cells = stored_tables(residual, subject)
-    made: list[ast.Item] = [ast.Version(1), *canvas(observed)]
+    made: list[ast.Item] = [ast.Version(1), *canvas(observed, decimals)]
     if given.named:
         made.append(ast.Asset(tuple(given.named.values()), parts_file(subject), True))
     made += [*tables, *_turtle(items, width), *(ast.Residual(each.name) for each in residual)]

@@ -102,6 +102,7 @@ def scene(
         notes=notes,
         groups=rows.groups,
         texture_maps=rows.texture_maps,
+        decimals=program.decimals,
     )
 
 

@@ -138,7 +138,8 @@ class Scene:
     height, y up. `shapes`: the start, all modules made whose symbols have rules, and all terminals.
     `groups`: what `effect` wraps, None where nothing does. `solids`: geometry in the unit box of
     its scope; a row's size stretches it, along an axis of size 0 by 1. `reports`: for each key that
-    something was reported under, the sum and how many did.
+    something was reported under, the sum and how many did. `decimals`: of the points of a drawing,
+    None for all there are.
     """
 
     instances: Instances
@@ -161,3 +162,4 @@ class Scene:
     solids: tuple[Solid, ...] = ()
     texture_maps: TextureMaps | None = None
     reports: dict[str, tuple[float, int]] = field(default_factory=dict)
+    decimals: int | None = None

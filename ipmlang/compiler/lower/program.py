@@ -81,7 +81,7 @@ class Lowering:
             self._refuse_misplaced(strings.misplaced(first), number)
             pairs = zip(symbols, strings.apart, strict=True)
             symbols = tuple(replace(symbol, apart=apart) for symbol, apart in pairs)
-        canvas, size = settings.canvas(self._pool, self._main)
+        canvas, size, decimals = settings.canvas(self._pool, self._main)
         flat = not scoped and analysis.flat(made.symbols, tropism)
         residual = self._residual(flat)
         return ir.Program(
@@ -101,6 +101,7 @@ class Lowering:
             fixed.limits,
             canvas,
             size,
+            decimals,
             self._up(),
             settings.pen_width(self._pool, self._main, self._turtle),
             start.choices,

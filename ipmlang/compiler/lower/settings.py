@@ -294,9 +294,9 @@ def _tropism(code: Code, unit: Unit) -> tuple[Operand, Operand, Operand, Operand
 
 def canvas(
     pool: Pool, unit: Unit
-) -> tuple[tuple[float, float, float, float] | None, tuple[str | None, str | None]]:
-    """The box of a drawing, and its width and height as they were written."""
+) -> tuple[tuple[float, float, float, float] | None, tuple[str | None, str | None], int | None]:
+    """The box of a drawing, its width and height as they were written, and its decimals."""
     for number, item in reversed(list(unit.items(ast.Canvas))):
         x, y, width, height = (_number(pool, unit, number, each) for each in item.box)
-        return (x, y, width, height), (item.width, item.height)
-    return None, (None, None)
+        return (x, y, width, height), (item.width, item.height), item.decimals
+    return None, (None, None), None

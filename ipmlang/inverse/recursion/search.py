@@ -41,6 +41,7 @@ def fold(
     *,
     styles: Integers | None = None,
     tolerance: float = 1e-6,
+    grain: float = 0.0,
     seconds: float = 10.0,
 ) -> Recursion | None:
     """The L-system whose turtle draws the segments start, end (n,) in this order (x + iy, y up).
@@ -48,12 +49,13 @@ def fold(
     styles: (n,) numbers of their styles. Where symbols explain them they are part of the result,
         else `Recursion.styles` is empty.
     tolerance: share of the diagonal; no point of the result is off by more.
+    grain: what the coordinates were rounded to, units; those of the result round to the same.
     seconds: of processor time, after which the best found so far is given.
     None where no recursion of at least three steps draws the segments.
     """
     if len(start) < FEWEST_SEGMENTS:
         return None
-    strokes = make_strokes(start, end, tolerance)
+    strokes = make_strokes(start, end, tolerance, grain)
     if strokes is None:
         return None
     spellings = letters(strokes)

@@ -26,6 +26,7 @@ from ipmlang.inverse.recursion.program import (
     expand,
     largest_error,
 )
+from ipmlang.inverse.recursion.rounded import placed_on_grain
 from ipmlang.inverse.recursion.strokes import Strokes
 
 PLACES = 7
@@ -41,9 +42,9 @@ def settled(program: Recursion, strokes: Strokes) -> Recursion | None:
         return None
     for rounded in _rounded(program):
         placed = _placed(rounded, strokes)
-        if placed is not None and placed.error <= bound:
-            return _short_placement(placed, strokes)
-    return _short_placement(raw, strokes) if raw.error <= bound else None
+        if placed is not None and (short := _short_placement(placed, strokes)) is not None:
+            return short
+    return _short_placement(raw, strokes)
 
 
 def _placed(program: Recursion, strokes: Strokes) -> Recursion | None:
@@ -71,8 +72,14 @@ def _measured(program: Recursion, strokes: Strokes) -> Recursion:
     return replace(program, error=largest_error(expand(program), strokes.start, strokes.end))
 
 
-def _short_placement(placed: Recursion, strokes: Strokes) -> Recursion:
-    """Position, heading and step with as few digits as the error allows."""
+def _short_placement(placed: Recursion, strokes: Strokes) -> Recursion | None:
+    """Position, heading and step with as few digits as the error allows; None where it is too large
+    whatever they are.
+    """
+    if strokes.grain:  # least squares are off a little more than what is to be found
+        return placed_on_grain(placed, strokes) if placed.error <= 2 * strokes.tolerance else None
+    if placed.error > strokes.tolerance:
+        return None
     bound = min(strokes.tolerance, max(1.5 * placed.error, strokes.tolerance / 4))
     for places in range(PLACES + 3):
         shorter = replace(

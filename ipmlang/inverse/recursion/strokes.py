@@ -23,13 +23,15 @@ PLAIN, MIRRORED, REVERSED, BOTH = 0, 1, 2, 3
 @dataclass(frozen=True, slots=True, eq=False)
 class Strokes:
     """start, end: (n,) x + iy; along: (n,) heading and length as one number, without the noise of
-    the points; tolerance: units that a point may be off.
+    the points; tolerance: units that a point may be off; grain: what coordinates were rounded to,
+    units, 0 for nothing.
     """
 
     start: Complexes
     end: Complexes
     along: Complexes
     tolerance: float
+    grain: float = 0.0
 
     def __len__(self) -> int:
         return len(self.start)
@@ -64,8 +66,12 @@ class Strokes:
         return int(np.diff(breaks).max())
 
 
-def make_strokes(start: Complexes, end: Complexes, tolerance: float) -> Strokes | None:
-    """Segments start, end (n,); tolerance: share of the diagonal. None if one has no length."""
+def make_strokes(
+    start: Complexes, end: Complexes, tolerance: float, grain: float = 0.0
+) -> Strokes | None:
+    """Segments start, end (n,); tolerance: share of the diagonal; grain: what coordinates were
+    rounded to, units. None if one has no length.
+    """
     points = np.concatenate([start, end])
     extent = complex(np.ptp(points.real), np.ptp(points.imag))
     slack = tolerance * abs(extent)
@@ -74,7 +80,7 @@ def make_strokes(start: Complexes, end: Complexes, tolerance: float) -> Strokes 
     if float(length.min()) <= 4 * slack:
         return None
     size = _mean(length, clustered(length, slack))
-    return Strokes(start, end, size * _headings(along / length, slack / length), slack)
+    return Strokes(start, end, size * _headings(along / length, slack / length), slack, grain)
 
 
 def _headings(direction: Complexes, slack: Floats) -> Complexes:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.compiler.diagnostics import fail
-from ipmlang.formats.drawing import LINE, Drawing, DrawnElement, Effect, Outline, Style
+from ipmlang.formats.drawing import ARC, LINE, Drawing, DrawnElement, Effect, Outline, Style
 from ipmlang.formats.svg.transforms import Matrix, multiply
 from ipmlang.runtime.export.drawn_assets import (
     depends_on_frame,
@@ -135,7 +135,24 @@ class _Sheet:
         shapes = self.scene.instances.shape[rows].tolist()
         for index, (shape, at) in enumerate(zip(shapes, place.tolist(), strict=True)):
             outline = _polygon(self.scene.polygons[shape], self.flip)
+            outline = replace(outline, coords=self._rounded(outline.kind, outline.coords))
             self.elements[at] = DrawnElement(outline, styles[index], None, sources[index])
+
+    def _rounded(self, kind: NDArray[np.uint8], coords: Floats) -> Floats:
+        """Points (…, m, 4, 2) with as many decimals as the canvas has; of whole circles the centres
+        have them. Other arcs keep all of theirs: rounded ends would move their middles.
+        """
+        decimals, arcs = self.scene.decimals, kind == ARC
+        if decimals is None:
+            return coords
+        if not arcs.any():
+            return np.asarray(np.round(coords, decimals) + 0.0)
+        around = np.isclose(np.abs(coords[..., 3, 1].sum(axis=-1)), 2 * np.pi)
+        if not (arcs.all() and around.all() and np.ptp(coords[..., 0, :], axis=-2).max() < 1e-9):
+            return coords
+        rounded = coords.copy()
+        rounded[..., 0, :] = np.round(coords[..., 0, :], decimals) + 0.0
+        return rounded
 
     def _looks(self, rows: Rows, base: Style) -> tuple[list[Style], list[tuple[str, ...]]]:
         styles = row_styles(self.scene, rows, base, self.groups)
@@ -161,7 +178,7 @@ class _Sheet:
     ) -> None:
         """One element a row; outlines that share all but their coordinates (n, m, 4, 2)."""
         styles, sources = self._looks(rows, base)
-        elements = self.elements
+        elements, coords = self.elements, self._rounded(kind, coords)
         for at, points, style, source in zip(place.tolist(), coords, styles, sources, strict=True):
             outline = Outline(kind, points, starts, closed)
             elements[at] = DrawnElement(outline, style, None, source)
@@ -197,7 +214,9 @@ class _Sheet:
                 style = replace(style, effects=outer + carried)
             outline, fragment = element.outline, element.fragment
             if outline is not None:
-                outline = replace(outline, coords=placed(outline, matrices[index : index + 1])[0])
+                points = placed(outline, matrices[index : index + 1])[0]
+                points = self._rounded(outline.kind, points)
+                outline = replace(outline, coords=points)
             if fragment is not None:
                 fragment = replace(fragment, matrix=multiply(matrix, fragment.matrix))
             self.elements[position] = DrawnElement(outline, style, fragment, sources[index])
