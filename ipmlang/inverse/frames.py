@@ -103,6 +103,16 @@ def join(parts: Sequence[Frames]) -> Frames:
     )
 
 
+def chosen(which: NDArray[np.bool_], one: Frames, other: Frames) -> Frames:
+    """Row by row (n,) one or the other."""
+    return Frames(
+        np.where(which[:, None], one.position, other.position),
+        np.where(which[:, None], one.rotation, other.rotation),
+        np.where(which, one.hand, other.hand),
+        np.where(which, one.scale, other.scale),
+    )
+
+
 def linear(frames: Frames) -> Floats:
     """(n, 3, 3) what frames do to directions."""
     turned = turns(frames.rotation)

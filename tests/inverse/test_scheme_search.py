@@ -10,7 +10,7 @@ from ipmlang.inverse.frames import Frames, compose, identity, join, matrices
 from ipmlang.inverse.split.cost import scheme_tokens
 from ipmlang.inverse.split.expansion import expand
 from ipmlang.inverse.split.facades.homes import at_home
-from ipmlang.inverse.split.scheme import Array, Direction, Ring, Rule, Scheme, Terminal
+from ipmlang.inverse.split.scheme import Array, Direction, Place, Ring, Rule, Scheme, Terminal
 from ipmlang.inverse.split.search.assembly import flat, largest_error
 from ipmlang.inverse.split.search.shortest import shortest
 
@@ -146,3 +146,15 @@ def test_terminals_of_one_rule_stand_in_its_coordinates() -> None:
     there = join([compose(frames[k : k + 1], homes[int(part)]) for k, part in enumerate(shape)])
     assert np.allclose(matrices(there), matrices(expand(scheme)[1]))
     assert np.allclose(moved.symbols[0].low, (1, 2, 3))
+
+
+def test_a_group_that_is_turned_but_for_noise_is_turned_plainly() -> None:
+    solids = [wedge((0.5, 0.3, 0.4)), wedge((0.2, 0.6, 0.9)), wedge((1.1, 0.2, 0.2))]
+    group = [places(0, at((0, 0, 0))), places(1, at((2, 1, 0))), places(2, at((1, 3, 0.5)))]
+    spots = join([at((0, 0, 0)), turned(2, 120.0, (9, 2, 0)), turned(2, -30.0, (3, 14, 1))])
+    parts = planted(solids, [group, [Place(3, spots)]], noise=3e-6)
+    (frames,) = [item.frames for item in _items(_checked(parts), Place) if len(item.frames) > 1]
+    angles = np.degrees(2 * np.arctan2(frames.rotation[:, 3], frames.rotation[:, 0]))
+    assert len(frames) == 3
+    assert (frames.rotation[:, 1:3] == 0).all()
+    assert np.allclose(angles, np.round(angles / 7.5) * 7.5, rtol=0, atol=1e-12)

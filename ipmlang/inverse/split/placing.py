@@ -21,7 +21,8 @@ from ipmlang.inverse.split.wording import NOTHING, Vector, all_nothing, bracket,
 Said = TypeVar("Said")
 
 WHOLE = 1e-9  # degrees or shares that are nothing
-ROOM = 2.0  # times the error that an angle may be off which is then a round one
+NEARLY = 3.0  # times the error that a length may be off which is then nothing
+ROOM = 3.0  # times the error that an angle may be off which is then a round one
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,8 +32,9 @@ class Precision:
     length: float
 
     def number(self, value: float, share: float = 1.0) -> ast.Number:
-        """A length; `share` of the room for one that is multiplied."""
-        return ast.Number(shortest(float(value), self.length * share))
+        """A length, nothing if it nearly is; `share` of the room for one that is multiplied."""
+        near = abs(value) <= NEARLY * self.length * share
+        return ast.Number(0.0 if near else shortest(float(value), self.length * share))
 
     def vector(self, values: Floats | Sequence[float], share: float = 1.0) -> Vector:
         """Three lengths."""

@@ -13,6 +13,7 @@ from ipmlang.inverse.frames import (
     Floats,
     Frames,
     Integers,
+    chosen,
     compose,
     from_matrices,
     inverse,
@@ -20,6 +21,7 @@ from ipmlang.inverse.frames import (
     matrices,
     moved_to,
 )
+from ipmlang.inverse.parts.plainest import snapped, turned_plainly
 from ipmlang.inverse.split.cost import placement_tokens
 from ipmlang.inverse.split.search.drafts import Draft, Limits, Motif, motif_box
 from ipmlang.inverse.split.search.fields import Field, field_of, look_up_moved
@@ -27,6 +29,8 @@ from ipmlang.inverse.split.search.figures import MOST_FRAMES, misses
 from ipmlang.inverse.split.search.growth import Grown
 
 TOGETHER = 512  # lookups at a time
+NEARLY = 1e-4  # how far turns may be from plain ones that are tried in their place
+PLAINER = 0.5  # of the error that there may be, where a turn is plain
 TRIED = 6  # occurrences whose own way of standing the body may take
 
 
@@ -41,8 +45,14 @@ def laid(field: Field, grown: Grown, limits: Limits) -> Motif | None:
     for index in range(min(TRIED, len(rows))):
         near = grown.motion if index == 0 else _from(grown.motion, index)
         body = target[index].reshape(-1, 4, 3)
-        places = _rounded(from_matrices(plain(fitted(target[index], target, near))), limits)
-        exact = np.nonzero(_errors(draft, body, rows, places) <= limits.error)[0]
+        motion = plain(fitted(target[index], target, near))
+        places = _rounded(from_matrices(motion), limits)
+        off = _errors(draft, body, rows, places)
+        plainer = _rounded(from_matrices(_turned_plainly(target[index], target, motion)), limits)
+        close = _errors(draft, body, rows, plainer) <= np.maximum(PLAINER * limits.error, off)
+        places = chosen(close, plainer, places)
+        off = np.where(close, PLAINER * limits.error, off)
+        exact = np.nonzero(off <= limits.error)[0]
         if best is None or len(exact) > len(best[0]):
             best = exact, compose(places[exact], inverse(places[exact[:1]]))
         if len(exact) == len(rows):
@@ -84,6 +94,16 @@ def plain(motion: Floats, near: float = 1e-6) -> Floats:
     result = motion.copy()
     result[close, :, :3] = whole[close]
     return result
+
+
+def _turned_plainly(source: Floats, target: Floats, motion: Floats) -> Floats:
+    """The motions with turns that a person would write, about the middles of points (p, 3) and
+    (k, p, 3).
+    """
+    scale = np.cbrt(np.abs(np.linalg.det(motion[:, :, :3])))[:, None, None]
+    turn = scale * snapped(turned_plainly(motion[:, :, :3] / scale, NEARLY), NEARLY)
+    moved = target.mean(axis=1) - turn @ source.mean(axis=0)
+    return np.concatenate([turn, moved[:, :, None]], axis=2)
 
 
 def _rounded(places: Frames, limits: Limits) -> Frames:
