@@ -44,14 +44,7 @@ def laid(field: Field, grown: Grown, limits: Limits) -> Motif | None:
     best: tuple[Integers, Frames] | None = None
     for index in range(min(TRIED, len(rows))):
         near = grown.motion if index == 0 else _from(grown.motion, index)
-        body = target[index].reshape(-1, 4, 3)
-        motion = plain(fitted(target[index], target, near))
-        places = _rounded(from_matrices(motion), limits)
-        off = _errors(draft, body, rows, places)
-        plainer = _rounded(from_matrices(_turned_plainly(target[index], target, motion)), limits)
-        close = _errors(draft, body, rows, plainer) <= np.maximum(PLAINER * limits.error, off)
-        places = chosen(close, plainer, places)
-        off = np.where(close, PLAINER * limits.error, off)
+        places, off = _places(draft, target[index], target, rows, near, limits)
         exact = np.nonzero(off <= limits.error)[0]
         if best is None or len(exact) > len(best[0]):
             best = exact, compose(places[exact], inverse(places[exact[:1]]))
@@ -60,6 +53,21 @@ def laid(field: Field, grown: Grown, limits: Limits) -> Motif | None:
     if best is None or len(best[0]) < 2:
         return None
     return _turned(draft, rows[best[0]], best[1], limits)
+
+
+def _places(
+    draft: Draft, source: Floats, target: Floats, rows: Integers, near: Floats, limits: Limits
+) -> tuple[Frames, Floats]:
+    """Frames (k,) that lay probes (p, 3) on (k, p, 3), turned plainly where there is room for it,
+    and how far they are off.
+    """
+    body = source.reshape(-1, 4, 3)
+    motion = plain(fitted(source, target, near))
+    places = _rounded(from_matrices(motion), limits)
+    plainer = _rounded(from_matrices(_turned_plainly(source, target, motion)), limits)
+    off, off_plainly = (_errors(draft, body, rows, each) for each in (places, plainer))
+    better = off_plainly <= np.maximum(PLAINER * limits.error, off)
+    return chosen(better, plainer, places), np.where(better, off_plainly, off)
 
 
 def _from(motion: Floats, index: int) -> Floats:
