@@ -184,3 +184,29 @@ def test_a_start_of_several_parts_is_no_whole() -> None:
     pair = edit.read_text("ipm 1\nA --> cube P\nB --> cube Q\nstart [A] B on box(2, 3, 4)\n")
     with pytest.raises(IpmError, match="no single part"):
         resize(pair, None, Wanted(x=3.0))
+
+
+STAIR = """ipm 1
+Tower -->
+    [translate(-0.5, -0.5, 0) size(1, 1, scope.sz) cube Core]
+    repeat(i < 12) {
+        [translate(0, 0, i) rotate(0, 0, 30 * i) translate(0.5, -0.2, 0) size(1.4, 0.4, 1) cube Step]
+    }
+start Tower on box(4, 4, 12)
+"""
+
+
+@pytest.mark.parametrize("parameters", [True, False])
+def test_a_whole_is_larger_when_all_of_it_is(parameters: bool) -> None:
+    """The lot and the scope are taller at once; of what is drawn only the core would be."""
+    draft = edit.read_text(STAIR)
+    made = resize(draft, "Tower", Wanted(z=18.0), parameters=parameters)
+    low, high = grown(made).boxes(np.eye(3))
+    assert high[:, 2].max() == pytest.approx(18)
+    assert sorted(low[1:, 2]) == pytest.approx([1.5 * k for k in range(12)])
+
+
+def test_what_turns_about_an_axis_is_still_said_so() -> None:
+    made = resize(edit.read_text(STAIR), "Tower", Wanted(z=18.0), parameters=False)
+    assert "repeat(i < 12) {" in made.text
+    assert "translate(0, 0, 1.5 * i) rotate(0, 0, 30 * i)" in made.text

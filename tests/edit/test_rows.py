@@ -10,7 +10,7 @@ import pytest
 from ipmlang.compiler import ast
 from ipmlang.compiler.format import format_grammar
 from ipmlang.edit.buildings.rows import Part, Room, laid_out
-from ipmlang.inverse.frames import identity, moved_to
+from ipmlang.inverse.frames import compose, from_matrices, identity, moved_to
 
 NEAR = 1e-5
 
@@ -63,3 +63,32 @@ def test_uneven_symbols_share_a_table_in_their_order() -> None:
     assert "    sill, 4, 3, 0\n" in text
     assert text.count("post, ") == 2, "a table would draw the third post before the beams"
     assert "[translate(9, 3, 0) post]" in text
+
+
+def test_motifs_around_an_axis_are_one_repeat() -> None:
+    parts = []
+    for k in range(6):
+        turn = from_matrices(np.hstack([rotation(60.0 * k), [[5.0], [5.0], [0.0]]])[None])
+        parts += [
+            (compose(turn, moved_to(np.array([place]))), (ast.Module(name),))
+            for place, name in (((3.0, 0, 0), "post"), ((3.0, 0, 4.0), "lamp"))
+        ]
+    text = written(parts)
+    assert text.count("repeat(i < 6)") == 1
+    assert "translate(5, 5, 0) rotate(0, 0, 60 * i)" in text
+
+
+def rotation(degrees: float) -> np.ndarray:
+    """(3, 3) about z."""
+    angle = np.radians(degrees)
+    return np.array(
+        [[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1.0]]
+    )
+
+
+def test_three_on_some_circle_are_no_ring() -> None:
+    frames = [
+        from_matrices(np.hstack([rotation(50.0 * k), [[k * 2.0], [k * k * 1.0], [0.0]]])[None])
+        for k in range(3)
+    ]
+    assert "repeat" not in written([(frame, (ast.Module("post"),)) for frame in frames])

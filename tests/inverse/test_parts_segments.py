@@ -64,6 +64,50 @@ def test_faces_with_their_own_vertices_are_one_shape(mesh: Mesh) -> None:
     assert len(parts_of(soup_of([loose]), EXACT).shape) == 1
 
 
+def fan(sides: int, radius: float, height: float) -> Mesh:
+    """A cylinder of triangles, its caps about a point in their middles."""
+    angle = np.arange(sides) * 2 * np.pi / sides
+    ring = [[radius * np.cos(a), radius * np.sin(a)] for a in angle]
+    points = [[*each, z] for z in (0.0, height) for each in ring] + [[0, 0, 0], [0, 0, height]]
+    faces = []
+    for i in range(sides):
+        k, low, high = (i + 1) % sides, 2 * sides, 2 * sides + 1
+        faces += [[i, k, sides + k], [i, sides + k, sides + i], [k, i, low]]
+        faces += [[sides + i, sides + k, high]]
+    return solids.polygons(points, faces)
+
+
+@pytest.mark.parametrize("sides", [8, 24, 48])
+def test_a_convex_solid_stays_whole(sides: int) -> None:
+    """A disc has planes that no face crosses, and quarters that repeat: it is one disc."""
+    assert len(parts_of(soup_of([fan(sides, 2.0, 0.5)]), EXACT).shape) == 1
+
+
+def test_solids_that_touch_in_a_point_come_apart() -> None:
+    """The caps of a shaft and of the slab on it have one point in common."""
+    soup = soup_of([fan(24, 2.0, 0.5), fan(24, 0.5, 4.0)], [at(0, 0, 3.5), at(0)])
+    parts = parts_of(soup, EXACT)
+    assert (len(parts.shape), len(parts.classes)) == (2, 2)
+    assert lost(parts, soup.mesh) < EXACT
+
+
+def test_pieces_that_others_have_too_come_apart() -> None:
+    """Books on shelves: no two rows are alike, and within a row hardly two books."""
+    kinds = [box(0.02 * w, 0.2, 0.3) for w in (1, 2, 3, 4, 5)]
+    rows = [(0, 1, 2, 3), (3, 0, 4, 2), (4, 1, 0, 3), (2, 4, 3, 1), (1, 0, 2, 4)]
+    meshes, places = [], []
+    for level, row in enumerate(rows):
+        x = 0.0
+        for kind in row:
+            meshes.append(kinds[kind])
+            places.append(at(x, 0, 0.4 * level))
+            x += 0.02 * (kind + 1)
+    soup = soup_of(meshes, places)
+    parts = parts_of(soup, EXACT)
+    assert (len(parts.shape), len(parts.classes)) == (20, 5)
+    assert lost(parts, soup.mesh) < EXACT
+
+
 def facade(columns: int, rows: int) -> Mesh:
     """One shell: a wall with niches in a grid, vertices shared."""
     points: dict[tuple[float, float, float], int] = {}

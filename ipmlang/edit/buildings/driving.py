@@ -20,12 +20,12 @@ from ipmlang.compiler.format import format_expression
 from ipmlang.edit.arithmetic import literal, number_of
 from ipmlang.edit.buildings.deciding import Key, deciding
 from ipmlang.edit.buildings.forms import Forms
-from ipmlang.edit.buildings.soundness import came_apart, extents, out_of_line, runs_into
+from ipmlang.edit.buildings.soundness import came_apart, extents, follows, out_of_line, runs_into
 from ipmlang.edit.buildings.tree import Tree, grown
 from ipmlang.edit.buildings.units import tolerance
 from ipmlang.edit.draft import Change, Draft, with_items, with_parameters
 from ipmlang.edit.places import Place
-from ipmlang.inverse.frames import Floats
+from ipmlang.inverse.frames import Floats, linear
 
 STEPS = 6  # of the secant
 TRIALS = 40  # parameters that are looked at, at most
@@ -102,10 +102,25 @@ def _is_meant(before: Tree, after: Tree, aim: Aim, axis: int) -> bool:
         size, own = size_of(after, key, axis), size_of(before, key, axis)
         if size is not None and own is not None and abs(size - own) > FIT * max(own, 1.0):
             return False
+    if not _draws_it(before, after, aim, axis):
+        return False
     near = tolerance(before)
     if _vanished(before, after) or runs_into(before, after, near):
         return False
     return not came_apart(before, after, near)
+
+
+def _draws_it(before: Tree, after: Tree, aim: Aim, axis: int) -> bool:
+    """Whether a whole that is selected is drawn larger, too."""
+    kind, key = aim.keys[0]
+    rows = np.flatnonzero(before.lineage.key == np.uint64(key)) if kind == "shape" else []
+    if len(rows) != 1 or len(before.below(int(rows[0]))) < len(before.owner):
+        return True
+    own = before.frames[rows]
+    axes = (linear(own)[0] / own.scale[0]).T
+    size = size_of(before, aim.keys[0], axis)
+    assert size is not None
+    return follows(before, after, axes, axis, float(aim.size[axis]) - size)
 
 
 def _vanished(before: Tree, after: Tree) -> bool:

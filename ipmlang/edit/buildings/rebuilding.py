@@ -61,14 +61,18 @@ class Rebuilt:
         return bool(np.abs(place - before).max() <= STAYS * self.near)
 
     def _even_out(self) -> None:
-        """Parts of one kind whose sizes differ by less than what touches get one size, about their
-        middles: a solution is no more exact than that, and equal parts are said once.
+        """Parts of one kind that got sizes which differ by less than what touches get one, about
+        their middles: a solution is no more exact than that, and equal parts are said once.
         """
         kinds: dict[str, list[int]] = {}
         for k, unit in enumerate(self.made.units):
             kinds.setdefault(self.forms.name(unit), []).append(k)
-        for rows in kinds.values():
+        grown = np.abs((self.high - self.low) - (self.made.high - self.made.low))
+        for every in kinds.values():
             for axis in range(3):
+                rows = [k for k in every if grown[k, axis] > STAYS * self.near]
+                if not rows:
+                    continue
                 size = (self.high - self.low)[rows, axis]
                 off = 0.5 * (size - evened(size, EVEN * self.near))
                 self.low[rows, axis] += off

@@ -21,8 +21,8 @@ from ipmlang.edit.buildings.driving import Aim, driven
 from ipmlang.edit.buildings.forms import Forms, Unit
 from ipmlang.edit.buildings.rebuilding import Rebuilt
 from ipmlang.edit.buildings.rewriting import rewritten
-from ipmlang.edit.buildings.soundness import check_sound
-from ipmlang.edit.buildings.tree import grown
+from ipmlang.edit.buildings.soundness import check_sound, follows
+from ipmlang.edit.buildings.tree import Tree, grown
 from ipmlang.edit.buildings.units import Units, divided, selected, tolerance, whole
 from ipmlang.edit.draft import Draft
 from ipmlang.inverse.frames import Floats, linear
@@ -164,8 +164,26 @@ def _attempted(
     count = len(made.units)
     at = Rebuilt(forms, made, low[:count], high[:count], near).placed()
     result = rewritten(forms, at, what="resized")
-    check_sound(tree, grown(result), near)
+    after = grown(result)
+    for axis in along:
+        size = float(np.ptp(np.concatenate([made.low, made.high])[:, axis]))
+        _check_followed(tree, after, picked, axes, axis, (factor[axis] - 1) * size)
+    check_sound(tree, after, near)
     return result
+
+
+def _check_followed(
+    before: Tree, after: Tree, picked: Sequence[Unit], axes: Floats, axis: int, wanted: float
+) -> None:
+    """Raises IpmError where a whole that is selected is not drawn larger by what is wanted: a rule
+    that asks how large its scope is need not fill it.
+    """
+    kind, row = picked[0]
+    whole = kind == "shape" and len(before.below(row)) == len(before.owner)
+    if whole and not follows(before, after, axes, axis, wanted):
+        message = f"`{before.names[row]}` does not follow along its {'xyz'[axis]}"
+        hint = "its rules say otherwise how large it is: ipmlang edit set"
+        raise fail("cannot-edit-there", message, hint=hint)
 
 
 def _axes(forms: Forms, unit: Unit) -> Floats:

@@ -1,4 +1,4 @@
-"""Parts in frames as the elements of a body: rows as repeats, symbols as tables, others one by one.
+"""Parts in frames as the elements of a body: regular ones as repeats, tables, others one by one.
 
 In go frames with what stands in each, out come elements as inference prints them, and the tables
 that they read. Numbers are as short as what touches allows. Nothing is derived here.
@@ -9,19 +9,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from ipmlang.compiler import ast
+from ipmlang.edit.buildings.regularity import Part, regular, said
 from ipmlang.edit.symbols import Elements
-from ipmlang.inverse.frames import Floats, Frames
+from ipmlang.inverse.frames import Frames
 from ipmlang.inverse.split.placing import Precision, Spot, placed, spots
-from ipmlang.inverse.split.wording import Vector, all_nothing, is_nothing, plus, times
+from ipmlang.inverse.split.wording import all_nothing, is_nothing
 
-FEWEST, MANY = 3, 4  # members of a row, rows of a table
-MIXED = 5  # rows of a table of several symbols
+MANY, MIXED = 4, 5  # rows of a table, and of one of several symbols
 COLUMNS = ("x", "y", "z", "rx", "ry", "rz")
 SHAPE = "shape"
-Part = tuple[Frames, Elements]
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,27 +38,27 @@ class Room:
 
 
 def laid_out(
-    parts: Sequence[Part], room: Room, title: Callable[[str], str], around: str
+    parts: Sequence[Part], room: Room, title: Callable[[str], str], owner: str
 ) -> tuple[Elements, list[ast.Table]]:
     """The elements that draw parts at frames of one row each, and their tables; title: gives a free
-    name like a wish; around: the symbol whose body it is.
+    name like a wish; owner: the symbol whose body it is.
     """
     body: list[ast.Element] = []
     tables: list[ast.Table] = []
     begin = 0
     while begin < len(parts):
-        end = _row_end(parts, begin, room.near)
-        if end - begin >= FEWEST:
-            body.append(_row(parts[begin:end], room))
-            begin = end
+        sequence = regular(parts, begin, room.near)
+        if sequence is not None:
+            body.append(said(sequence, parts, begin, room.precision, 1e6 * room.near))
+            begin += sequence.parts
             continue
-        end = _alike_end(parts, begin)
+        end = _alike_end(parts, begin, room.near)
         mixed = _symbols_end(parts, begin, room)
         if (end - begin >= MANY and end == mixed) or mixed - begin < MIXED:
             found = _table(parts[begin:end], room, title) if end - begin >= MANY else None
         else:
             end = mixed
-            name = title(f"{around.rpartition('.')[2].lower()}_parts")
+            name = title(f"{owner.rpartition('.')[2].lower()}_parts")
             found = _mixed_table(parts[begin:end], room, name)
         if found is None:
             end = begin + 1
@@ -73,11 +70,15 @@ def laid_out(
     return tuple(body), tables
 
 
-def _alike_end(parts: Sequence[Part], begin: int) -> int:
-    """Behind the last of equal parts of one hand that follow each other."""
+def _alike_end(parts: Sequence[Part], begin: int, near: float) -> int:
+    """Behind the last of equal parts of one hand that follow each other, up to where a row or a
+    ring begins.
+    """
     frame, elements = parts[begin]
     end = begin + 1
     while end < len(parts) and parts[end][1] == elements and parts[end][0].hand == frame.hand:
+        if regular(parts, end, near) is not None:
+            break
         end += 1
     return end
 
@@ -99,7 +100,7 @@ def _symbols_end(parts: Sequence[Part], begin: int, room: Room) -> int:
         home = all_nothing(spot.place) and all_nothing(spot.turn)
         if home or spot.scale is not None or frame.hand[0] != hand:
             break
-        if end > begin and _row_end(parts, end, room.near) - end >= FEWEST:
+        if end > begin and regular(parts, end, room.near) is not None:
             break
         if only.name in before[:-1] and only.name != before[-1]:
             break
@@ -145,43 +146,5 @@ def _over(table: ast.Table, spot: Spot, elements: Elements) -> ast.Element:
 def _cells(found: Sequence[Spot]) -> tuple[tuple[str, ...], tuple[tuple[ast.Expr, ...], ...]]:
     """The columns that say something of spots, and their rows."""
     cells = [(*spot.place, *spot.turn) for spot in found]
-    said = [k for k in range(len(COLUMNS)) if not all(is_nothing(row[k]) for row in cells)]
-    return tuple(COLUMNS[k] for k in said), tuple(tuple(row[k] for k in said) for row in cells)
-
-
-def _row_end(parts: Sequence[Part], begin: int, near: float) -> int:
-    """Behind the last of equal parts that follow each other in equal steps."""
-    first, elements = parts[begin]
-    end, step = begin + 1, np.zeros(3)
-    while end < len(parts) and parts[end][1] == elements and _turned_alike(parts[end][0], first):
-        own = parts[end][0].position[0] - parts[end - 1][0].position[0]
-        if end == begin + 1:
-            step = own
-        expected = first.position[0] + (end - begin) * step
-        if np.abs(parts[end][0].position[0] - expected).max() > near / 8:
-            break
-        end += 1
-    return end
-
-
-def _turned_alike(one: Frames, other: Frames) -> bool:
-    return bool(
-        np.allclose(one.rotation, other.rotation, atol=1e-9)
-        and one.hand[0] == other.hand[0]
-        and abs(one.scale[0] - other.scale[0]) < 1e-9
-    )
-
-
-def _row(parts: Sequence[Part], room: Room) -> ast.Element:
-    first, elements = parts[0]
-    last = parts[-1][0]
-    share = 1 / (len(parts) - 1)
-    step: Floats = (last.position[0] - first.position[0]) * share
-    spot = room.spot(first)
-    x, y, z = (
-        plus(at, times(by, ast.Name("i")))
-        for at, by in zip(spot.place, room.precision.vector(step, share), strict=True)
-    )
-    place: Vector = (x, y, z)
-    head = ast.Count("i", ast.Number(float(len(parts))))
-    return ast.Repeat(head, (placed(spot.at(place), elements),))
+    named = [k for k in range(len(COLUMNS)) if not all(is_nothing(row[k]) for row in cells)]
+    return tuple(COLUMNS[k] for k in named), tuple(tuple(row[k] for k in named) for row in cells)

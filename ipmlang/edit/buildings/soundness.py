@@ -17,6 +17,8 @@ from ipmlang.inverse.frames import Floats
 
 MADE = re.compile(r"(_baked|_fitted)(_\d+)?")  # in the label of a terminal that was stretched
 NEAR = 1e-6  # of the diagonal
+ROUNDED = 0.5  # of a wanted change, that a whole may be off by; of parts, that may stay
+FAR = 0.1  # of a change, from which on a part is meant to move, and does
 
 
 def check_sound(before: Tree, after: Tree, near: float) -> None:
@@ -111,6 +113,24 @@ def out_of_line(before: Tree, after: Tree, near: float) -> bool:
             (high, low, high_after, low_after),
         )
     )
+
+
+def follows(before: Tree, after: Tree, axes: Floats, axis: int, wanted: float) -> bool:
+    """Whether a building that shall become so much larger along an axis, of (3, 3) rows, does so on
+    the whole, and not just the scope that it was given, or one part of many: counts may round, and
+    some parts keep their places.
+    """
+    low, high = (each[:, axis] for each in before.boxes(axes))
+    low_after, high_after = (each[:, axis] for each in after.boxes(axes))
+    begin, span = float(low.min()), float(high.max() - low.min())
+    if abs(float(high_after.max() - low_after.min()) - span - wanted) > ROUNDED * abs(wanted):
+        return False
+    if len(low) != len(low_after):
+        return True
+    share = (np.concatenate([low, high]) - begin) / span * wanted
+    moved = np.concatenate([low_after - low, high_after - high]) - (low_after.min() - begin)
+    far = np.abs(share) > FAR * abs(wanted)
+    return bool(np.mean((np.abs(moved) > FAR * np.abs(share))[far]) >= ROUNDED)
 
 
 def extents(tree: Tree) -> Floats:

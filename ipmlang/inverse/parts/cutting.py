@@ -25,6 +25,7 @@ from ipmlang.inverse.parts.welding import linked
 
 _CREASE = np.cos(np.radians(25.0))
 _ONE_PLANE = np.cos(np.radians(0.5))
+_HOLLOW = 1e-4  # sine of an angle: what folds in by less is rounding
 _PLANE = 1e-6  # share of the diagonal by which faces may reach over a plane
 
 
@@ -35,8 +36,9 @@ Truths: TypeAlias = NDArray[np.bool_]
 class Sheet:
     """Faces with what cuts ask of them. part (f,); pairs (p, 2) of faces of one part that alone
     share an edge; bend (p,): 0 where they go on smoothly, 1 where the edge stands out, -1 where it
-    lies in; flat (p,): whether they lie in one plane; facing (q, 2): pairs of faces at edges of
-    more than two that look at each other through the solid that they bound.
+    lies in; flat (p,): whether they lie in one plane; inward (p,): whether the edge lies in at all,
+    however smoothly; facing (q, 2): pairs of faces at edges of more than two that look at each
+    other through the solid that they bound.
     """
 
     mesh: Mesh
@@ -44,6 +46,7 @@ class Sheet:
     pairs: Integers
     bend: Integers
     flat: Truths
+    inward: Truths
     facing: Integers
     diagonal: float
 
@@ -73,7 +76,7 @@ def sheet_of(mesh: Mesh, same: Integers, part: Integers, diagonal: float) -> She
     return Sheet(mesh, part, pairs, *_bends(mesh, pairs), face[found], diagonal)
 
 
-def _bends(mesh: Mesh, pairs: Integers) -> tuple[Integers, Truths]:
+def _bends(mesh: Mesh, pairs: Integers) -> tuple[Integers, Truths, Truths]:
     normal = area_vectors(mesh)
     normal = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
     sizes = np.diff(mesh.offsets)
@@ -81,9 +84,24 @@ def _bends(mesh: Mesh, pairs: Integers) -> tuple[Integers, Truths]:
     middle = sums(points, mesh.offsets) / sizes[:, None]
     one, other = pairs.T
     alike = np.einsum("pi,pi->p", normal[one], normal[other])
-    above = np.einsum("pi,pi->p", middle[other] - middle[one], normal[one] - normal[other])
+    way = middle[other] - middle[one]
+    above = np.einsum("pi,pi->p", way, normal[one] - normal[other])
     bend = np.where(alike > _CREASE, 0, np.where(above > 0, -1, 1))
-    return bend, alike > _ONE_PLANE
+    return bend, alike > _ONE_PLANE, above > _HOLLOW * np.linalg.norm(way, axis=1)
+
+
+def bounded(sheet: Sheet, parent: Integers, count: int) -> tuple[Truths, Truths]:
+    """(count,) whether the faces of each parent (f,) bound one convex solid, such as a box, a
+    cylinder or a cone, which a person takes for one thing; and whether they bound several, which
+    touch in no more than points.
+    """
+    corners = np.bincount(parent, np.diff(sheet.mesh.offsets), count)
+    above = parent[sheet.pairs[:, 0]]
+    closed = 2 * np.bincount(above, minlength=count) == corners
+    hollow = np.bincount(above, sheet.inward, count) > 0
+    _, first = np.unique(by_edges(sheet), return_index=True)
+    many = np.bincount(parent[first], minlength=count)
+    return closed & ~hollow & (many == 1), closed & (many > 1)
 
 
 def by_own_vertices(sheet: Sheet) -> Integers:

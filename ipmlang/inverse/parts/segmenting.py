@@ -1,8 +1,8 @@
 """What hangs together cut into what repeats, where that says the model in less.
 
 Takes faces with the part of each; gives finer parts. A cut is tried on one of each kind of part and
-kept for all of them where its pieces repeat so much that they cost far less to say. Most parts of
-real models stay whole.
+kept for all of them where its pieces repeat so much that they cost far less to say. Solids that
+touch in points alone come apart, convex ones stay whole, and so do most parts of real models.
 """
 
 from __future__ import annotations
@@ -18,6 +18,8 @@ from ipmlang.inverse.frames import Floats, Integers
 from ipmlang.inverse.parts.cutting import (
     Cut,
     Sheet,
+    Truths,
+    bounded,
     by_creases,
     by_edges,
     by_own_vertices,
@@ -58,6 +60,7 @@ _TRIALS = (
     _Trial(by_ridges, 8.0, 0.8, 8.0),
     _Trial(by_creases, 8.0, 0.45),
 )
+_OWN, _EDGES = ([trial.cut for trial in _TRIALS].index(cut) for cut in (by_own_vertices, by_edges))
 
 
 def segmented(
@@ -153,13 +156,15 @@ def _choices(
     order = np.argsort(rows)
     parent = order[np.searchsorted(rows[order], sheet.part)]
     least = np.ones(len(rows))
+    convex, several = bounded(sheet, parent, len(rows))
+    choice[several] = _EDGES
     whole = _shapes(sheet, same, parent, parent, tolerance)[0] + _PLACE * times
     for number, trial in enumerate(_TRIALS):
         _, first, label = np.unique(trial.cut(sheet), return_index=True, return_inverse=True)
         many = np.bincount(parent[first], minlength=len(rows))
         places = trial.place * many * times
         bound = places + _least_costs(sheet, parent, label)
-        hopeful = (many > 2) & (bound < np.minimum(trial.share, least) * whole)
+        hopeful = (many > 2) & ~convex & ~several & (bound < np.minimum(trial.share, least) * whole)
         if not hopeful.any():
             continue
         faces = np.flatnonzero(hopeful[parent])
@@ -171,7 +176,44 @@ def _choices(
         better = (share <= trial.share) & (share < least * 0.9)
         better &= (share <= 0.45) | (many >= trial.often * kinds_in)
         choice[better], least[better] = number, share[better]
+    left = ~convex & ~several & (choice < 0)
+    if left.any():
+        choice[_shared(sheet, same, parent, left, whole, times, tolerance)] = _OWN
     return choice
+
+
+def _shared(
+    sheet: Sheet,
+    same: Integers,
+    parent: Integers,
+    fit: Truths,
+    whole: Floats,
+    times: Integers,
+    tolerance: float,
+) -> Truths:
+    """Of the parents that fit, those that fall by the file's own vertices into pieces that others
+    have, too: books on shelves, of which no two rows are alike.
+    """
+    trial = _TRIALS[_OWN]
+    label = np.unique(trial.cut(sheet), return_inverse=True)[1]
+    pieces = sorted_pieces(sheet.mesh, same, label, False)
+    above = parent[pieces.face[pieces.face_start[:-1]]]
+    kind = np.zeros(len(pieces), np.int64)
+    for number, rows in enumerate(alike(pieces, centers(pieces), tolerance)):
+        kind[rows] = number
+    own = 3.0 * np.diff(pieces.vertex_start) + np.diff(pieces.corner_start)
+    first, _ = distinct_rows(np.stack([above, kind], axis=1).astype(np.float64))
+    of, kinds = above[first], kind[first]
+    many = np.bincount(above, minlength=len(whole))
+    fit = fit & (many > 1)
+    while True:  # what one of them saves hangs on the others
+        holders = np.bincount(kinds[(fit | (many == 1))[of]], minlength=len(pieces))
+        shared = own[first] / np.maximum(holders[kinds], 1)
+        cost = np.bincount(of, shared, len(whole)) + trial.place * many * times
+        better = fit & (cost <= trial.share * whole)
+        if (better == fit).all():
+            return fit
+        fit = better
 
 
 def _least_costs(sheet: Sheet, parent: Integers, label: Integers) -> Floats:

@@ -1,0 +1,213 @@
+"""Parts that follow each other by one motion: rows, rings and spiral stairs as one repeat.
+
+In go parts in frames, out comes how many of them follow by one step, or by one turn about an axis
+and one rise along it, and the element that draws these. A motif of several parts may repeat. What
+is not regular is laid out elsewhere, and nothing is derived.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from ipmlang.compiler import ast
+from ipmlang.edit.symbols import Elements
+from ipmlang.inverse.frames import Floats, Frames, turns
+from ipmlang.inverse.numbers import shortest
+from ipmlang.inverse.split.placing import Precision, placed, spots
+from ipmlang.inverse.split.wording import NOTHING, bracket, call, plus, times
+
+Part: TypeAlias = tuple[Frames, Elements]
+
+ROW, RING = 3, 4  # members at least: three parts lie on some circle wherever they stand
+MOST = 6  # parts of a motif
+LEAST = 1e-4  # degrees of a turn
+ALIKE = 1e-9  # by which turns may differ that are one
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Motion:
+    """A step (3,), or a turn of so many degrees about an axis (0, 1, 2) through a point (3,), with
+    what of the step is along that axis.
+    """
+
+    step: Floats
+    axis: int = 2
+    angle: float = 0.0
+    middle: Floats | None = None
+
+    def moved(self, place: Floats, times: int) -> Floats:
+        """(3,) where a place goes."""
+        if self.middle is None:
+            return place + times * self.step
+        turned = _rotation(self.axis, self.angle * times) @ (place - self.middle)
+        return np.asarray(self.middle + turned + times * self.step)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Regular:
+    """`count` motifs of `size` parts each, moved alike."""
+
+    motion: Motion
+    size: int
+    count: int
+
+    @property
+    def parts(self) -> int:
+        """How many parts there are in all."""
+        return self.size * self.count
+
+
+def regular(parts: Sequence[Part], begin: int, near: float) -> Regular | None:
+    """The longest regular sequence that begins with a part, if there is one. Places may be off by
+    an eighth of `near`.
+    """
+    best: Regular | None = None
+    for size in range(1, MOST + 1):
+        if begin + 2 * size > len(parts):
+            break
+        if not _alike(parts[begin], parts[begin + size]):
+            continue
+        motion = _motion(parts[begin][0], parts[begin + size][0])
+        if motion is None:
+            continue
+        count = _count(parts, begin, size, motion, near)
+        fewest = ROW if motion.middle is None else RING
+        if count >= fewest and (best is None or size * count > best.parts):
+            best = Regular(motion, size, count)
+    return best
+
+
+def _count(parts: Sequence[Part], begin: int, size: int, motion: Motion, near: float) -> int:
+    """How many motifs follow each other."""
+    place = begin + size
+    while place < len(parts):
+        of = begin + (place - begin) % size
+        times = (place - begin) // size
+        frame, first = parts[place][0], parts[of][0]
+        if not _alike(parts[place], parts[of]) or not _turned(frame, first, motion, times):
+            break
+        expected = motion.moved(first.position[0], times)
+        if np.abs(frame.position[0] - expected).max() > near / 8:
+            break
+        place += 1
+    return (place - begin) // size
+
+
+def _alike(one: Part, other: Part) -> bool:
+    """Whether parts are drawn alike, turns apart."""
+    (frame, elements), (second, following) = one, other
+    same = frame.hand[0] == second.hand[0] and abs(frame.scale[0] - second.scale[0]) <= ALIKE
+    return bool(same) and elements == following
+
+
+def _turned(frame: Frames, first: Frames, motion: Motion, times: int) -> bool:
+    """Whether a frame is the first one turned so many times."""
+    expected = turns(first.rotation)[0]
+    if motion.middle is not None:
+        expected = _rotation(motion.axis, motion.angle * times) @ expected
+    return bool(np.abs(turns(frame.rotation)[0] - expected).max() <= 1e2 * ALIKE)
+
+
+def _motion(one: Frames, other: Frames) -> Motion | None:
+    """What takes one frame to another; None for what is neither a step nor a turn about x, y, z."""
+    step = np.asarray(other.position[0] - one.position[0])
+    between = turns(other.rotation)[0] @ turns(one.rotation)[0].T
+    if np.abs(between - np.eye(3)).max() <= ALIKE:
+        return Motion(step) if np.abs(step).max() > 0 else None
+    axis = int(np.argmax(np.diag(between)))
+    if abs(between[axis, axis] - 1) > ALIKE:
+        return None
+    a, b = (axis + 1) % 3, (axis + 2) % 3
+    angle = float(np.degrees(np.arctan2(between[b, a], between[a, a])))
+    if abs(angle) < LEAST:
+        return None
+    flat = [a, b]
+    inside = between[np.ix_(flat, flat)]
+    middle = np.zeros(3)
+    middle[flat] = np.linalg.solve(
+        np.eye(2) - inside, other.position[0][flat] - inside @ one.position[0][flat]
+    )
+    along = np.zeros(3)
+    along[axis] = step[axis]
+    return Motion(along, axis, angle, middle)
+
+
+def _rotation(axis: int, degrees: float) -> Floats:
+    angle = np.radians(degrees)
+    a, b = (axis + 1) % 3, (axis + 2) % 3
+    found = np.eye(3)
+    found[a, a] = found[b, b] = np.cos(angle)
+    found[b, a], found[a, b] = np.sin(angle), -np.sin(angle)
+    return found
+
+
+# --------------------------------------------------------------------------- as elements
+
+
+def said(
+    own: Regular, parts: Sequence[Part], begin: int, precision: Precision, reach: float
+) -> ast.Element:
+    """A repeat that draws the parts of a regular sequence; reach: how far what is drawn gets from
+    its origin.
+    """
+    motif = parts[begin : begin + own.size]
+    last = begin + own.size * (own.count - 1)
+    row = own.motion.middle is None
+    body = _row(own, parts, begin, last, precision, reach) if row else None
+    body = body or _ring(own, motif, precision, reach)
+    return ast.Repeat(ast.Count("i", ast.Number(float(own.count))), (body,))
+
+
+def _row(
+    own: Regular, parts: Sequence[Part], begin: int, last: int, precision: Precision, reach: float
+) -> ast.Element:
+    share = 1 / (own.count - 1)
+    first = parts[begin][0]
+    step = precision.vector((parts[last][0].position[0] - first.position[0]) * share, share)
+    motif = parts[begin : begin + own.size]
+    spot = spots(first, precision, reach)[0]
+    x, y, z = (plus(at, _times_i(by)) for at, by in zip(spot.place, step, strict=True))
+    if own.size == 1:
+        return placed(spot.at((x, y, z)), motif[0][1])
+    inner = _inside(motif, first.position[0], precision, reach)
+    return ast.Bracket((call("translate", x, y, z), *inner))
+
+
+def _ring(own: Regular, motif: Sequence[Part], precision: Precision, reach: float) -> ast.Element:
+    motion, share = own.motion, 1 / (own.count - 1)
+    middle = motion.middle
+    assert middle is not None
+    radius = max(float(np.linalg.norm(frame.position[0] - middle)) for frame, _ in motif)
+    angle = shortest(motion.angle, precision.degrees(radius + reach) * share)
+    rise = _times_i(precision.number(float(motion.step[motion.axis]), share))
+    place = list(precision.vector(middle))
+    place[motion.axis] = rise
+    turn: list[ast.Expr] = [NOTHING] * 3
+    turn[motion.axis] = _times_i(ast.Number(angle))
+    still = all(each == NOTHING for each in place)
+    steps = [] if still else [call("translate", *place)]
+    inner = _inside(motif, middle, precision, reach)
+    return bracket([*steps, call("rotate", *turn), *inner])
+
+
+def _inside(
+    motif: Sequence[Part], origin: Floats, precision: Precision, reach: float
+) -> list[ast.Element]:
+    """The parts of a motif from an origin; the last one needs no bracket."""
+    found: list[ast.Element] = []
+    for frame, elements in motif:
+        local = Frames(frame.position - origin, frame.rotation, frame.hand, frame.scale)
+        found.append(placed(spots(local, precision, reach)[0], elements))
+    last = found.pop()
+    return [*found, *(last.body if isinstance(last, ast.Bracket) else (last,))]
+
+
+def _times_i(value: ast.Expr) -> ast.Expr:
+    return times(value, ast.Name("i"))
+
+
+__all__ = ["Motion", "Part", "Regular", "regular", "said"]
