@@ -190,7 +190,7 @@ STAIR = """ipm 1
 Tower -->
     [translate(-0.5, -0.5, 0) size(1, 1, scope.sz) cube Core]
     repeat(i < 12) {
-        [translate(0, 0, i) rotate(0, 0, 30 * i) translate(0.5, -0.2, 0) size(1.4, 0.4, 1) cube Step]
+        [translate(0, 0, i) rotate(0, 0, 30 * i) translate(1, -0.2, 0) size(1, 0.4, 1) cube Step]
     }
 start Tower on box(4, 4, 12)
 """
