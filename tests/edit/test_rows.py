@@ -9,7 +9,8 @@ import pytest
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.format import format_grammar
-from ipmlang.edit.buildings.rows import Part, Room, laid_out
+from ipmlang.edit.buildings.regularity import Part
+from ipmlang.edit.buildings.rows import Room, laid_out
 from ipmlang.inverse.frames import compose, from_matrices, identity, moved_to
 
 NEAR = 1e-5

@@ -113,8 +113,8 @@ def _is_meant(before: Tree, after: Tree, aim: Aim, axis: int) -> bool:
 def _draws_it(before: Tree, after: Tree, aim: Aim, axis: int) -> bool:
     """Whether a whole that is selected is drawn larger, too."""
     kind, key = aim.keys[0]
-    rows = np.flatnonzero(before.lineage.key == np.uint64(key)) if kind == "shape" else []
-    if len(rows) != 1 or len(before.below(int(rows[0]))) < len(before.owner):
+    rows = np.flatnonzero(before.lineage.key == np.uint64(key))
+    if kind != "shape" or len(before.below(int(rows[0]))) < len(before.owner):
         return True
     own = before.frames[rows]
     axes = (linear(own)[0] / own.scale[0]).T

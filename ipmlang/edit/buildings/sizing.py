@@ -17,7 +17,8 @@ import numpy as np
 
 from ipmlang.compiler import ast
 from ipmlang.edit.buildings.forms import SQUARE, Forms, Unit
-from ipmlang.edit.buildings.rows import Part, Room, laid_out
+from ipmlang.edit.buildings.regularity import Part
+from ipmlang.edit.buildings.rows import Room, laid_out
 from ipmlang.edit.symbols import Elements, nodes
 from ipmlang.inverse.frames import Floats, Frames, corners, inverse, linear
 from ipmlang.inverse.split.wording import Vector, bracket, call
