@@ -44,6 +44,7 @@ from ipmlang.inverse.ways import (
 LEAST_REGULAR = 0.3  # of the flat tokens: what is shorter needs no other look
 ROW = 2  # tokens that a row of a table counts for beyond those it takes: rules can be changed
 LEFT = 4  # placements of one symbol that a lattice could say
+TWINS = 3  # symbols placed twice that a group could say
 NOISE_TOKENS = 1.25  # times as many tokens a regular grammar with residuals may have
 SHORT = 0.1  # of the flat tokens: a recursion that no other rules will beat
 FEW = 600  # elements for which a second look costs hardly any time
@@ -115,15 +116,15 @@ def best_grammar(
         tried = [searched(goal, way, say, memory) for way in seen_so]
         found = min(tried, key=lambda each: each.written.ruled)
         enough = LEAST_REGULAR if len(observed) > FEW else LEAST_REGULAR / 2
-        irregular = found.written.ruled > enough * flat_tokens and _alike(found.book) >= LEFT
+        irregular = found.written.ruled > enough * flat_tokens and _may_be_regular(found.book)
         if irregular and len(observed) <= MOST_SCATTERED and not attempts:
             say("looking for lattices")
             again = [searched(goal, way, say, memory, True) for way in seen_so]
-            again = [each for each in again if each.book.lattices]
+            again = [each for each in again if _bends_order(each.book)]
             found = _better(found, again, options.symmetrize)
         attempts += _written_out(found, len(observed))
         asked = options.paper or options.symmetrize
-        if not (found.book.lattices or asked):
+        if not (_bends_order(found.book) or asked):
             # Few rules among many loose placements may cost more than they save: tables say less.
             tabled = write_grammar(flat_book, replace(plain, use_tables=True))
             more = tabled.spared + ROW * tabled.rows
@@ -140,11 +141,13 @@ def best_grammar(
     return _first_right(goal, attempts, found, flat_tokens)
 
 
-def _alike(book: Book) -> int:
-    """How often the axiom places one symbol, a sequence of any length being one, at most."""
+def _may_be_regular(book: Book) -> bool:
+    """Whether the axiom places one symbol so often that a lattice could say it, a sequence of any
+    length being one, or so many twice that a group could.
+    """
     parts = book.bodies[AXIOM].parts.tolist()
-    often = Counter(book.family.get(part, part) for part in parts)
-    return max(often.values(), default=0)
+    often = Counter(book.family.get(part, part) for part in parts).values()
+    return max(often, default=0) >= LEFT or sum(count > 1 for count in often) >= TWINS
 
 
 def _better(found: Found, regular: list[Found], symmetrize: bool) -> Found:
@@ -165,7 +168,12 @@ def _weighs_less(found: Found, flat: Written) -> bool:
     """Whether lattices with residuals of few digits say less than placements of many, though in no
     fewer numbers.
     """
-    return bool(found.book.lattices) and found.written.weight <= flat.weight
+    return _bends_order(found.book) and found.written.weight <= flat.weight
+
+
+def _bends_order(book: Book) -> bool:
+    """Whether rules explain what noise and the paint order hide, at the price of a table."""
+    return bool(book.lattices or book.scattered)
 
 
 def _ideal(goal: Goal, flat: Written) -> Goal:

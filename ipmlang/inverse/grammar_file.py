@@ -26,6 +26,7 @@ from ipmlang.inverse.coats import merged_styles
 from ipmlang.inverse.folding import Folded, fold
 from ipmlang.inverse.joined_tables import join_tables
 from ipmlang.inverse.lsystem.patterns import Pattern
+from ipmlang.inverse.lsystem.symbols import Integers
 from ipmlang.inverse.naming import (
     Names,
     capital,
@@ -137,7 +138,7 @@ def write_grammar(book: Book, subject: Subject) -> Written:
     reach = measure(book, radius, subject.share * subject.observed.diagonal)
     builder = Builder(book, reach, named, effects, names, axiom, painted, subject.use_tables)
     rules, placed = join_tables(builder.rules(), builder.tables)
-    order = _order_table(book, names)
+    order = _rest_table(book, names, subject.share * subject.observed.diagonal)
     folded, spared = None, 0.0
     if subject.folded:
         taken = {*(named[k] for k in named if k < len(terminals))}
@@ -172,13 +173,25 @@ def write_grammar(book: Book, subject: Subject) -> Written:
     return Written(ast.Grammar(tuple(items)), parts, *cells, spared, folded)
 
 
-def _order_table(book: Book, names: Names) -> list[ast.Table]:
-    """The layer of each element where rules draw them in another order than they are painted."""
+def _rest_table(book: Book, names: Names, error: float) -> list[ast.Table]:
+    """The layer of each element where rules draw them in another order than they are painted, and
+    how far each is from where they have it, for what has no table of its own; error: units.
+    """
     order = book.paint_order()
-    if order is None:
+    columns: dict[str, list[float]] = {}
+    if order is not None:
+        columns["layer"] = order.astype(np.float64).tolist()
+    if book.shift:
+        count = int(book.extent[book.bodies[AXIOM].parts].sum())
+        ranks = np.arange(count) if order is None else order
+        shift = np.array([book.shift.get(rank, 0j) for rank in ranks.tolist()])
+        columns |= {"x": shift.real.tolist(), "y": shift.imag.tolist()}
+    if not columns:
         return []
-    rows = tuple((ast.Number(float(rank)),) for rank in order.tolist())
-    return [ast.Table(names.give("Order"), None, ("layer",), rows)]
+    rooms = {"layer": 0.0, "x": error, "y": error}
+    cells = [[literal(value, rooms[name]) for value in values] for name, values in columns.items()]
+    rows = tuple(zip(*cells, strict=True))
+    return [ast.Table(names.give("Rest" if book.shift else "Order"), None, tuple(columns), rows)]
 
 
 def _started(rules: list[ast.Rule]) -> tuple[list[ast.Rule], tuple[ast.Element, ...]]:
@@ -278,7 +291,7 @@ def _names(
 ) -> dict[int, str]:
     """A name for every symbol that is left: terminals first, then rules from small to large."""
     used = {painted[part].base if part in painted else part for part in book.uses()}
-    rows = _first_rows(subject.instanced)
+    rows = _first_rows(subject.instanced, book.scattered)
     sources = subject.observed.sources
     terminals = subject.instanced.terminals
     above = len(shared_groups(sources)) if len(sources) > 1 else 0
@@ -315,21 +328,26 @@ def _names(
     return named
 
 
-def _first_rows(instanced: Instanced) -> dict[int, int]:
-    """The first element of the first copy of every symbol."""
+def _first_rows(instanced: Instanced, scattered: Mapping[int, Integers]) -> dict[int, int]:
+    """The first element of the first copy of every symbol; scattered: by the first row of a copy,
+    the rows of what it draws where these do not follow each other.
+    """
     alphabet, string = instanced.alphabet, instanced.string
     known: dict[int, int] = {}
-    waiting = list(zip(string.symbol.tolist(), string.start.tolist(), strict=True))
+    waiting = [
+        (symbol, scattered.get(row, np.arange(row, row + alphabet[symbol].size)))
+        for symbol, row in zip(string.symbol.tolist(), string.start.tolist(), strict=True)
+    ]
     waiting.reverse()
     while waiting:
-        symbol, row = waiting.pop()
+        symbol, rows = waiting.pop()
         if symbol in known:
             continue
-        known[symbol] = int(instanced.element[row])
-        row += alphabet[symbol].anchored
+        known[symbol] = int(instanced.element[rows[0]])
+        rows = rows[int(alphabet[symbol].anchored) :]
         for part in alphabet[symbol].parts.tolist():
-            waiting.append((part, row))
-            row += alphabet[part].size
+            waiting.append((part, rows))
+            rows = rows[alphabet[part].size :]
     return known
 
 

@@ -64,7 +64,9 @@ class Book:
     rows in paint order; family, count: of every symbol that is a sequence; size: of every symbol,
     in elements; small: units, what is printed as 0; assets: where a terminal's representative lies
     in its asset, the identity where none is given; effects: the class of the effect that wraps a
-    group's body; anchored: symbols whose frame is bound, by an effect or a structure.
+    group's body; anchored: symbols whose frame is bound, by an effect or a structure; scattered: by
+    rank, the ranks of all elements of a row of the axiom that are not painted one after the other;
+    shift: by rank, how far elements are from where rules have them, x + iy.
     """
 
     bodies: dict[int, Body]
@@ -80,6 +82,8 @@ class Book:
     ranks: Integers = field(default_factory=lambda: np.zeros(0, np.int64))
     effects: dict[int, int] = field(default_factory=dict)
     anchored: set[int] = field(default_factory=set)
+    scattered: dict[int, Integers] = field(default_factory=dict)
+    shift: dict[int, complex] = field(default_factory=dict)
 
     def uses(self) -> Counter[int]:
         """How often each rule or terminal is named (sequences by family)."""
@@ -141,15 +145,15 @@ class Book:
 
     def paint_order(self) -> Integers | None:
         """(n,) ranks of all elements in the order of derivation, None where that is their order:
-        where the members of every lattice are painted one after the other.
+        where the members of every lattice and group are painted one after the other.
         """
         made = []
         parts = self.bodies[AXIOM].parts.tolist()
         for part, rank in zip(parts, self.ranks.tolist(), strict=True):
             rule = self.lattices.get(part)
             starts = np.array([rank]) if rule is None else rule.drawn
-            extent = int(self.extent[part if rule is None else rule.part])
-            made.append((starts[:, None] + np.arange(extent)).ravel())
+            inside = np.arange(int(self.extent[part if rule is None else rule.part]))
+            made.append(self.scattered.get(rank, (starts[:, None] + inside).ravel()))
         order = np.concatenate([np.zeros(0, np.int64), *made])
         return None if (np.diff(order) == 1).all() else order
 
@@ -261,10 +265,20 @@ def _spread(book: Book, name: int, inner: Callable[[int], Body | None]) -> None:
         there = first[own][:, None] + np.arange(len(group.parts))
         parts[there] = group.parts
         places = replaced(places, there, compose(body.places[own][:, None], group.places))
-        ranks[there] += np.cumsum(book.extent[group.parts]) - book.extent[group.parts]
+        before = np.cumsum(book.extent[group.parts]) - book.extent[group.parts]
+        if name == AXIOM:
+            ranks[there] = [_ranks(book, rank, before) for rank in book.ranks[own].tolist()]
     if name == AXIOM:
         book.ranks = ranks
     book.bodies[name] = Body(parts, places)
+
+
+def _ranks(book: Book, rank: int, before: Integers) -> Integers:
+    """The ranks of the parts (m,) of a row of the axiom that is written out, and begins with a
+    rank; before: (m,) how many elements there are before each.
+    """
+    scattered = book.scattered.pop(rank, None)
+    return rank + before if scattered is None else scattered[before]
 
 
 def _drop_poor(book: Book) -> bool:

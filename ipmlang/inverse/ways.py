@@ -23,6 +23,7 @@ from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement
 from ipmlang.inverse.lsystem.trees import TreeSearch
 from ipmlang.inverse.observation import Observation
 from ipmlang.inverse.options import Options
+from ipmlang.inverse.scattered import Scattered, with_scattered
 from ipmlang.inverse.shared_places import share_places
 from ipmlang.inverse.simplify import Book, drop_poor_rules, make_book, recentre
 from ipmlang.inverse.tapers import complete_tapers
@@ -107,7 +108,27 @@ def searched(
     if len(string) <= MOST_SCATTERED and not goal.options.paper:
         before, string = string, with_lattices(alphabet, string, scattered, known.lattices)
         _noting(goal, instanced, before, journal).note_lattices(string)
-    book = _simplified(instanced, string, goal.options)
+    found = _printed(goal, instanced, string, journal)
+    if not scattered or len(string) > MOST_SCATTERED or goal.options.paper:
+        return found
+    alphabet = _copied(alphabet)
+    string, groups = with_scattered(alphabet, string)
+    if not groups:
+        return found
+    other = _printed(goal, replace(instanced, alphabet=alphabet), string, journal, groups)
+    asked = goal.options.symmetrize  # for what is regular, not what is short
+    return other if asked or other.written.weight < found.written.weight else found
+
+
+def _printed(
+    goal: Goal,
+    instanced: Instanced,
+    string: Arrangement,
+    journal: Journal,
+    groups: Scattered | None = None,
+) -> Found:
+    """A string that a search left, simplified and printed."""
+    book = _simplified(instanced, string, goal.options, groups or Scattered())
     instanced = replace(instanced, string=string)
     subject = Subject(goal.observed, instanced, goal.stem, goal.given.rounding)
     return Found(book, subject, write_grammar(book, subject), journal)
@@ -158,9 +179,12 @@ def _measure(instanced: Instanced, goal: Goal) -> Measure | None:
     return Measure(outlines, goal.observed.diagonal)
 
 
-def _simplified(instanced: Instanced, string: Arrangement, options: Options) -> Book:
+def _simplified(
+    instanced: Instanced, string: Arrangement, options: Options, groups: Scattered
+) -> Book:
     """The rules that the string needs, the poor ones written out."""
     book = make_book(instanced.alphabet, string)
+    book.scattered, book.shift = dict(groups.ranks), groups.shift
     if options.paper:
         book.drop_unused()
     else:
