@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 import ipmlang
+from ipmlang.runtime.gpu import encode as encoding
 from ipmlang.runtime.gpu.device import Device, device
 from ipmlang.runtime.scene import Scene
 
@@ -47,3 +48,18 @@ def test_a_rule_compiles_nothing(compiled: list[str]) -> None:
     found = derived(TOWN.replace("{ ~2.5: Window }*", "~1: Wall | 1.2: Window | ~1: Wall"))
     assert "Wall" in {found.labels[label] for label in found.instances.label.tolist()}
     assert not compiled
+
+
+def test_an_attribute_writes_no_bytecode(
+    compiled: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The words of a program are kept from run to run, and are those of that program alone."""
+    written: list[int] = []
+    encode = encoding.encode
+    monkeypatch.setattr(encoding, "encode", lambda *given: (written.append(1), encode(*given))[1])
+    town = ipmlang.parse(TOWN)
+    few, many = (town.run(seed=1, attrs={"floors": each}, backend="gpu") for each in (2, 9))
+    assert len(many.instances) > 3 * len(few.instances)
+    assert len(written) == 1
+    other = derived(TOWN.replace("60%", "20%"), floors=9)
+    assert len(written) == 2 and len(other.instances) < len(many.instances)

@@ -8,8 +8,13 @@ state alone become blocks of their own, which as many threads run.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ipmlang.compiler import ir
 from ipmlang.runtime.gpu.elements import OWN, Elements
@@ -36,7 +41,7 @@ class Reason:
     why: str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Encoded:
     """A program as words: `symbols` and `blocks` are where in the code their entries begin, `faces`
     the parts whose faces are listed when the geometries are known, `samples` what is fetched,
@@ -46,8 +51,8 @@ class Encoded:
     `resumable`: bodies may be broken off.
     """
 
-    code: tuple[int, ...]
-    data: tuple[float, ...]
+    code: NDArray[np.uint32]
+    data: NDArray[np.float64]
     symbols: int
     blocks: int
     faces: tuple[Faces, ...]
@@ -59,6 +64,34 @@ class Encoded:
     registers: int
     resumable: bool
     reasons: tuple[Reason, ...]
+
+
+class _Kept:
+    """The last programs that were encoded in this process, with what was asked."""
+
+    programs: ClassVar[deque[tuple[ir.Program, tuple[object, ...], Encoded]]] = deque(maxlen=8)
+
+
+def kept(
+    program: ir.Program, fields: Sequence[str], attrs: int, texels: Sequence[int], calls: Calls
+) -> Encoded:
+    """The same as `encode`, once for all runs of a program, whatever the values of its attributes;
+    nobody may write to it.
+    """
+    asked_for = (tuple(fields), attrs, tuple(texels), calls)
+    for own, key, found in tuple(_Kept.programs):
+        if key == asked_for and _is_same(own, program):
+            return found
+    made = encode(program, fields, attrs, texels, calls)
+    _Kept.programs.append((program, asked_for, made))
+    return made
+
+
+def _is_same(one: ir.Program, other: ir.Program) -> bool:
+    """Whether two programs are one with other values for its attributes."""
+    parts = ("symbols", "productions", "axiom", "tables")
+    same = all(getattr(one, part) is getattr(other, part) for part in parts)
+    return same and (one.strings, one.tropism) == (other.strings, other.tropism)
 
 
 def calls_of(program: ir.Program) -> Calls:
@@ -92,7 +125,8 @@ def encode(
     if words.resumable:
         parameters = max(parameters, words.registers)
     return Encoded(
-        tuple(code), tuple(words.data), symbols, blocks, faces, samples, parameters,
+        np.array(code, np.uint32), np.array(words.data, np.float64),
+        symbols, blocks, faces, samples, parameters,
         frozenset(capable), words.extrusion, axiom, words.registers, words.resumable,
         tuple(dict.fromkeys(reasons)),
     )  # fmt: skip

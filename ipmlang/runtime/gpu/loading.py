@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ipmlang.runtime.frontier import Frontier
 from ipmlang.runtime.gpu import sampling
 from ipmlang.runtime.gpu.device import device
-from ipmlang.runtime.gpu.encode import encode
+from ipmlang.runtime.gpu.encode import kept
 from ipmlang.runtime.gpu.geometries import Geometries
 from ipmlang.runtime.gpu.isa import FINAL, HEADER, NONE, ON_CPU, Entry, Header
 from ipmlang.runtime.gpu.machine import Layout, Machine
@@ -40,7 +40,7 @@ class Loading:
         self._described = -1
         texels = sampling.extents(frontier.bound.data.contexts)
         count = len(frontier.bound.attrs)
-        self.encoded = encode(frontier.program, frontier.fields, count, texels, calls)
+        self.encoded = kept(frontier.program, frontier.fields, count, texels, calls)
         self._machine: Machine | None = None
         self._layout = self._laid(0, 0)
 
@@ -67,10 +67,10 @@ class Loading:
 
     def _built(self, left: Collection[int]) -> Machine:
         frontier, encoded = self._frontier, self.encoded
-        code = np.array(encoded.code, np.uint32)
+        code = encoded.code.copy()
         for symbol in encoded.capable.intersection(left):
             code[encoded.symbols + symbol * ENTRY + Entry.FLAGS] = ON_CPU
-        data = [np.array(encoded.data, np.float64)]
+        data = [encoded.data.copy()]
         data[0][: len(frontier.bound.attrs)] = frontier.bound.attrs
         geometries = 0
         base = len(encoded.data)
