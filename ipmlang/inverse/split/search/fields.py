@@ -114,32 +114,39 @@ def _near(field: Field, center: Floats, key: Integers, error: float) -> tuple[In
 
 def agree(field: Field, rows: Integers, wanted: Floats, error: float) -> Flags:
     """(p,) whether rows stand as probes (p, 4, 3) say, up to their symbols' symmetry."""
-    good = np.zeros(len(rows), np.bool_)
+    return np.asarray(standing(field, rows, wanted)[0] <= error)
+
+
+def standing(field: Field, rows: Integers, wanted: Floats) -> tuple[Floats, Floats]:
+    """(p,) how far probes (p, 4, 3) are from those of rows, and (p, 4, 3) these, under the symmetry
+    of their symbols that brings them nearest.
+    """
+    off, there = np.zeros(len(rows)), np.zeros((len(rows), 4, 3))
     symbol = field.draft.symbol[rows]
     many, number = field.round[symbol], field.number[symbol]
     for each, images in field.images.items():
         own = np.nonzero(many == each)[0]
-        if len(own):
-            matrix = field.matrix[rows[own]]
-            good[own] = _off(images, number[own], wanted[own], matrix) <= error
-    return good
+        step = max(1, 200_000 // each)
+        for begin in range(0, len(own), step):
+            some = own[begin : begin + step]
+            matrix = field.matrix[rows[some]]
+            off[some], there[some] = _nearest_image(images[number[some]], matrix, wanted[some])
+    return off, there
 
 
-def _off(images: Floats, number: Integers, wanted: Floats, matrix: Floats) -> Floats:
-    """(n,) how far probes at (n, 4, 3) are from those of frames, as matrices (n, 3, 4); images:
-    (f, s, 4, 3) of symbols, of which row i is that of `number[i]`.
+def _nearest_image(images: Floats, matrix: Floats, wanted: Floats) -> tuple[Floats, Floats]:
+    """(n,) how far probes at (n, 4, 3) are from the nearest of images (n, s, 4, 3) under maps
+    (n, 3, 4), and (n, 4, 3) that one.
     """
-    count, many = len(number), images.shape[1]
-    step = max(1, 200_000 // many)
-    found = []
-    for begin in range(0, count, step):
-        rows = slice(begin, begin + step)
-        inner = images[number[rows]].reshape(-1, 4 * many, 3)
-        outer = inner @ matrix[rows, :, :3].transpose(0, 2, 1)
-        away = outer.reshape(-1, many, 4, 3) + matrix[rows, None, None, :, 3]
-        away -= wanted[rows, None]
-        found.append(np.einsum("nskj,nskj->nsk", away, away).max(axis=2).min(axis=1))
-    return np.asarray(np.sqrt(np.concatenate(found)))
+    count, many = images.shape[:2]
+    outer = images.reshape(-1, 4 * many, 3) @ matrix[:, :, :3].transpose(0, 2, 1)
+    outer += matrix[:, None, :, 3]
+    outer = outer.reshape(-1, many, 4, 3)
+    away = outer - wanted[:, None]
+    square = np.einsum("nskj,nskj->nsk", away, away).max(axis=2)
+    best = square.argmin(axis=1)
+    row = np.arange(count)
+    return np.sqrt(square[row, best]), outer[row, best]
 
 
 def _images(draft: Draft) -> tuple[dict[int, Floats], Integers, Integers]:

@@ -24,8 +24,8 @@ from ipmlang.inverse.frames import (
 from ipmlang.inverse.parts.plainest import snapped, turned_plainly
 from ipmlang.inverse.split.cost import placement_tokens
 from ipmlang.inverse.split.search.drafts import Draft, Limits, Motif, motif_box
-from ipmlang.inverse.split.search.fields import Field, field_of, look_up_moved
-from ipmlang.inverse.split.search.figures import MOST_FRAMES, misses
+from ipmlang.inverse.split.search.fields import Field, field_of, look_up_moved, standing
+from ipmlang.inverse.split.search.figures import MOST_FRAMES
 from ipmlang.inverse.split.search.growth import Grown
 
 TOGETHER = 512  # lookups at a time
@@ -40,11 +40,12 @@ def laid(field: Field, grown: Grown, limits: Limits) -> Motif | None:
     The body is the first occurrence, or another one that more of them are equal to.
     """
     draft, rows = field.draft, grown.rows
-    target = _targets(draft, field.points, grown)
+    target = _targets(field, grown)
+    points = target.reshape(len(rows), -1, 3)
     best: tuple[Integers, Frames] | None = None
     for index in range(min(TRIED, len(rows))):
         near = grown.motion if index == 0 else _from(grown.motion, index)
-        places, off = _places(draft, target[index], target, rows, near, limits)
+        places, off = _places(field, target[index], points, rows, near, limits)
         exact = np.nonzero(off <= limits.error)[0]
         if best is None or len(exact) > len(best[0]):
             best = exact, compose(places[exact], inverse(places[exact[:1]]))
@@ -56,16 +57,20 @@ def laid(field: Field, grown: Grown, limits: Limits) -> Motif | None:
 
 
 def _places(
-    draft: Draft, source: Floats, target: Floats, rows: Integers, near: Floats, limits: Limits
+    field: Field, body: Floats, target: Floats, rows: Integers, near: Floats, limits: Limits
 ) -> tuple[Frames, Floats]:
-    """Frames (k,) that lay probes (p, 3) on (k, p, 3), turned plainly where there is room for it,
-    and how far they are off.
+    """Frames (k,) that lay probes (m, 4, 3) on (k, 4 m, 3), turned plainly where there is room for
+    it, and how far they are off.
     """
-    body = source.reshape(-1, 4, 3)
+    source = body.reshape(-1, 3)
     motion = plain(fitted(source, target, near))
     places = _rounded(from_matrices(motion), limits)
-    plainer = _rounded(from_matrices(_turned_plainly(source, target, motion)), limits)
-    off, off_plainly = (_errors(draft, body, rows, each) for each in (places, plainer))
+    off = _errors(field, body, rows, places)
+    turned = _turned_plainly(source, target, motion)
+    if np.array_equal(turned, motion):
+        return places, off
+    plainer = _rounded(from_matrices(turned), limits)
+    off_plainly = _errors(field, body, rows, plainer)
     better = off_plainly <= np.maximum(PLAINER * limits.error, off)
     return chosen(better, plainer, places), np.where(better, off_plainly, off)
 
@@ -121,32 +126,26 @@ def _rounded(places: Frames, limits: Limits) -> Frames:
     return Frames(position, places.rotation, places.hand, places.scale)
 
 
-def _targets(draft: Draft, points: Floats, grown: Grown) -> Floats:
-    """(k, 4 m, 3) where the probes of the first occurrence go in each, under the symmetries that
+def _targets(field: Field, grown: Grown) -> Floats:
+    """(k, m, 4, 3) where the probes of the first occurrence go in each, under the symmetries that
     the motions call for.
     """
-    found = []
-    for column in grown.rows.T:
-        shape = draft.figures[draft.symbol[column[0]]]
-        wanted = np.einsum("kij,pj->kpi", grown.motion[:, :, :3], points[column[0]])
-        wanted += grown.motion[:, None, :, 3]
-        own = draft.frames[column]
-        which = misses(shape, wanted, own)[1]
-        turned = np.einsum("kij,kpj->kpi", linear(own), shape.images[which])
-        found.append(turned + own.position[:, None])
-    return np.concatenate(found, axis=1)
+    wanted = _moved(grown.motion, field.points[grown.rows[0]])
+    there = standing(field, grown.rows.ravel(), wanted.reshape(-1, 4, 3))[1]
+    return there.reshape(wanted.shape)
 
 
-def _errors(draft: Draft, body: Floats, rows: Integers, places: Frames) -> Floats:
+def _errors(field: Field, body: Floats, rows: Integers, places: Frames) -> Floats:
     """(k,) the largest distance of a probe of the body (m, 4, 3) from where the places put it."""
-    worst = np.zeros(len(rows))
-    motion = matrices(places)
-    for points, column in zip(body, rows.T, strict=True):
-        shape = draft.figures[draft.symbol[column[0]]]
-        wanted = np.einsum("kij,pj->kpi", motion[:, :, :3], points)
-        wanted += motion[:, None, :, 3]
-        worst = np.maximum(worst, misses(shape, wanted, draft.frames[column])[0])
-    return worst
+    wanted = _moved(matrices(places), body)
+    off = standing(field, rows.ravel(), wanted.reshape(-1, 4, 3))[0]
+    return np.asarray(off.reshape(rows.shape).max(axis=1))
+
+
+def _moved(motion: Floats, points: Floats) -> Floats:
+    """(k, m, 4, 3) points (m, 4, 3) under motions (k, 3, 4)."""
+    turned = points.reshape(-1, 3) @ motion[:, :, :3].transpose(0, 2, 1)
+    return np.asarray((turned + motion[:, None, :, 3]).reshape(len(motion), *points.shape))
 
 
 def _turned(draft: Draft, rows: Integers, places: Frames, limits: Limits) -> Motif:

@@ -6,7 +6,7 @@ again; patterns that it takes apart count as lost. Nothing is changed here.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -76,22 +76,33 @@ def priced(draft: Draft, limits: Limits, memory: Memory) -> Priced:
 
 
 def gain_of(
-    base: Priced, motif: Motif, shape: Figure, limits: Limits, memory: Memory, least: float
+    base: Priced,
+    motif: Motif,
+    shape: Callable[[], Figure],
+    limits: Limits,
+    memory: Memory,
+    least: float,
 ) -> float:
-    """Tokens that a motif saves whose figure is `shape`; where they are fewer than `least`, some
-    number below that.
+    """Tokens that a motif saves whose figure is `shape`, which is asked for last; where they are
+    fewer than `least`, some number below that.
     """
     rows = motif.rows.ravel()
     saved = float(base.loose()[rows].sum()) - HEAD
     for index in np.unique(base.of[rows]).tolist():
         gone = base.place[rows[base.of[rows] == index]]
         saved += base.found[index].tokens - _without(base, index, gone, limits)
-    lists = sorted(_lists(base.draft, motif, shape), key=lambda each: len(each[2]))
-    saved -= sum(_at_least(len(frames)) for _, _, frames in lists)
-    for figure, symbol, frames in lists:  # short ones are soon known
+    inside, uses = _inside(base.draft, motif), _uses(base.draft, motif)
+    saved -= sum(_at_least(len(frames)) for frames in [*inside.values(), *uses])
+    for symbol, frames in inside.items():
         if saved < least:
             return saved
+        figure = base.draft.figures[symbol]
         tokens = arranged(figure, frames, symbol, limits, memory).tokens
+        saved -= tokens - _at_least(len(frames))
+    for frames in uses:
+        if saved < least:
+            return saved
+        tokens = arranged(shape(), frames, len(base.draft.figures), limits, memory).tokens
         saved -= tokens - _at_least(len(frames))
     return saved
 
@@ -101,14 +112,18 @@ def _at_least(copies: int) -> int:
     return (0, 1, 5, 12)[copies] if copies < 4 else FEWEST
 
 
-def _lists(draft: Draft, motif: Motif, shape: Figure) -> Iterator[tuple[Figure, int, Frames]]:
-    """The lists of copies that a motif makes, in its body and where it is used."""
+def _inside(draft: Draft, motif: Motif) -> dict[int, Frames]:
+    """The copies of each symbol in the body of a motif, the fewest first: those are soon known."""
     symbols = draft.symbol[motif.rows[0]]
-    for symbol in np.unique(symbols).tolist():
-        yield draft.figures[symbol], symbol, motif.inside[symbols == symbol]
-    home = draft.body[motif.rows[:, 0]]
-    for body in np.unique(home).tolist():
-        yield shape, len(draft.figures), motif.places[home == body]
+    label, count = label_rows(symbols[:, None])
+    lists = sorted(members(label, len(count)), key=len)
+    return {int(symbols[own[0]]): motif.inside[own] for own in lists}
+
+
+def _uses(draft: Draft, motif: Motif) -> list[Frames]:
+    """The places of a motif in each body that uses it."""
+    label, count = label_rows(draft.body[motif.rows[:, :1]])
+    return [motif.places[own] for own in members(label, len(count))]
 
 
 def _without(base: Priced, index: int, gone: Integers, limits: Limits) -> int:

@@ -7,8 +7,9 @@ counted in lookups, so that the same parts give the same scheme everywhere. Noth
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import islice
 
 import numpy as np
@@ -101,11 +102,13 @@ def _searched(parts: Parts, limits: Limits, work: int) -> Scheme:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Offer:
-    """A motif that may pay, and the figure of its rule; gain: the tokens it may save."""
+    """A motif that may pay, and the figure of its rule when it is asked for; gain: the tokens it
+    may save.
+    """
 
     gain: float
     motif: Motif
-    shape: Figure
+    shape: Callable[[], Figure]
 
 
 def _improved(draft: Draft, limits: Limits, memory: Memory, work: int) -> tuple[Draft | None, int]:
@@ -192,7 +195,7 @@ def _offers(field: Field, grown: list[Grown], base: Priced, limits: Limits) -> l
     for gain, each in islice(_various(field, ranked), 2 * TRIED):
         motif = laid(field, completed(field, each, limits.error), limits)
         if motif is not None:
-            found.append(Offer(gain, motif, _shape(field.draft, motif, limits)))
+            found.append(Offer(gain, motif, _later(field.draft, motif, limits)))
         if len(found) == TRIED:
             break
     return found
@@ -232,7 +235,7 @@ def _taken(base: Priced, offers: list[Offer], limits: Limits, memory: Memory) ->
             least = max(LEAST, 0.5 * offer.gain)
             if gain_of(base, motif, offer.shape, limits, memory, least) < least:
                 continue
-        result = with_motif(base.draft, motif, offer.shape)
+        result = with_motif(base.draft, motif, offer.shape())
         kept = np.ones(len(base.draft), np.bool_)
         kept[rows.ravel()] = False
         number = np.where(kept, np.cumsum(kept) - 1, -1)
@@ -240,7 +243,12 @@ def _taken(base: Priced, offers: list[Offer], limits: Limits, memory: Memory) ->
     return result
 
 
-def _shape(draft: Draft, motif: Motif, limits: Limits) -> Figure:
-    """The figure of the rule that a motif would be."""
-    low, high = motif_box(draft, motif)
-    return figure(low, high, symmetry_of(draft, motif, limits))
+def _later(draft: Draft, motif: Motif, limits: Limits) -> Callable[[], Figure]:
+    """The figure of the rule that a motif would be, made when it is first asked for."""
+
+    @cache
+    def shape() -> Figure:
+        low, high = motif_box(draft, motif)
+        return figure(low, high, symmetry_of(draft, motif, limits))
+
+    return shape
