@@ -152,7 +152,7 @@ class _File:
             columns = [mesh.corners[corners][:, None].astype(np.float64)]
             columns += [each[corners] for each in (mesh.uv, mesh.normals) if each is not None]
             table = np.concatenate(columns, axis=1)
-            _, first, order = np.unique(table, axis=0, return_index=True, return_inverse=True)
+            first, order = _sorted_kinds(table)
             vertices = mesh.vertices[mesh.corners[corners[first]]]
             attributes = {"POSITION": self._floats(vertices, bounds=True)}
             if mesh.normals is not None:
@@ -199,6 +199,17 @@ def _chunks(text: bytes, data: bytes) -> bytes:
     if size >= 2**32:
         raise FormatError("the model is over 4 GB, more than a GLB can hold")
     return b"".join([struct.pack("<4sII", b"glTF", 2, size), *parts])
+
+
+def _sorted_kinds(
+    table: NDArray[np.float64],
+) -> tuple[NDArray[np.intp], NDArray[np.int64]]:
+    """The first of each kind of row, kinds in lexical order, and the kind of each row."""
+    first, kind = distinct_rows(table)
+    order = np.lexsort(table[first].T[::-1])
+    rank = np.empty(len(order), np.int64)
+    rank[order] = np.arange(len(order))
+    return first[order], rank[kind]
 
 
 def _used(

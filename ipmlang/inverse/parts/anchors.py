@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ipmlang.formats.distinct import distinct_numbers
 from ipmlang.inverse.frames import Floats, Integers
 from ipmlang.inverse.parts.copies import Copies, Truths
 from ipmlang.inverse.parts.invariants import mixed
@@ -109,8 +110,8 @@ def _how_often(lengths: Floats, look: NDArray[np.uint64]) -> Integers:
     sides = mixed(mixed(ahead) ^ next_far) + mixed(mixed(behind) ^ last_far)
     part = mixed(np.arange(len(look), dtype=np.uint64))[:, None]
     hashed = mixed(mixed(far) + mixed(sides) ^ look) + part
-    _, kind, count = np.unique(hashed, return_inverse=True, return_counts=True)
-    return np.asarray(count[kind.reshape(look.shape)])
+    _, kind = distinct_numbers(hashed.reshape(-1))
+    return np.asarray(np.bincount(kind)[kind].reshape(look.shape))
 
 
 def _axes(first: Floats, second: Floats, sign: Floats) -> Floats:

@@ -165,8 +165,8 @@ def _representative(members: _Fitted, tolerance: float) -> int:
     the middle, of equal ones the first.
     """
     turned = np.rint(members.linear.reshape(-1, 9) * 1e3)
-    _, kind, count = np.unique(turned, axis=0, return_inverse=True, return_counts=True)
-    often = count[kind.reshape(-1)]
+    _, kind = distinct_rows(turned)
+    often = np.bincount(kind)[kind]
     box = np.ptp(members.points, axis=1).sum(axis=1)
     box = np.round(box / max(box.max(), 1e-300), 4)
     laid = members.points @ members.linear

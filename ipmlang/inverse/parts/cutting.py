@@ -15,6 +15,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from ipmlang.formats.distinct import distinct_numbers, stable_order
 from ipmlang.formats.mesh_types import Mesh
 from ipmlang.inverse.frames import Floats, Integers
 from ipmlang.inverse.parts.facing import facing
@@ -62,7 +63,7 @@ def sheet_of(mesh: Mesh, same: Integers, part: Integers, diagonal: float) -> She
     low, high = np.minimum(here, here[after]), np.maximum(here, here[after])
     edge = mixed(mixed(low.astype(np.uint64)) ^ high.astype(np.uint64))
     edge = mixed(edge ^ part[face].astype(np.uint64))
-    order = np.argsort(edge, kind="stable")
+    order = stable_order(edge)
     edge = edge[order]
     starts = np.flatnonzero(np.concatenate([[True], edge[1:] != edge[:-1]]))
     count = np.diff(np.append(starts, len(order)))
@@ -114,7 +115,7 @@ def by_own_vertices(sheet: Sheet) -> Integers:
     island = linked(len(mesh.vertices), np.stack([begin, mesh.corners], axis=1))[first]
     parts = int(sheet.part.max()) + 1
     faces = np.bincount(sheet.part, minlength=parts)
-    _, one = np.unique(island, return_index=True)
+    one, _ = distinct_numbers(island)
     loose = 2 * np.bincount(sheet.part[one], minlength=parts) >= faces
     folded = loose[sheet.part[sheet.pairs[:, 0]]] & ~sheet.flat
     size = int(island.max()) + 1

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ipmlang.formats.distinct import distinct_rows
+from ipmlang.formats.distinct import distinct_numbers, distinct_rows
 from ipmlang.inverse.frames import Floats, Integers
 from ipmlang.inverse.parts.pieces import Pieces, sums
 
@@ -39,8 +39,9 @@ def alike(pieces: Pieces, center: Floats, tolerance: float) -> list[Integers]:
         ],
         axis=1,
     )
-    _, label = np.unique(counts, axis=0, return_inverse=True)
-    label = label.reshape(-1)
+    label = np.zeros(len(pieces), np.int64)
+    for count in counts.T:
+        label = distinct_numbers(label * len(pieces) + distinct_numbers(count)[1])[1]
     images = _images(pieces) * (tolerance / UV_TOLERANCE)
     columns = np.concatenate([_lengths(pieces, center), images], axis=1) / (4 * tolerance)
     for column in columns.T:

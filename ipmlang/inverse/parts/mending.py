@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ipmlang.formats.distinct import distinct_numbers, stable_order
 from ipmlang.formats.drawing import Note
 from ipmlang.formats.mesh_types import Mesh, chosen_faces
 from ipmlang.inverse.frames import Floats, Integers
@@ -83,7 +84,7 @@ def _twice(mesh: Mesh, same: Integers, owner: Integers) -> NDArray[np.bool_]:
     edge = mixed(mixed(point) + np.uint64(3) * mixed(point[after] + np.uint64(1)))
     around = np.add.reduceat(edge, mesh.offsets[:-1])
     dress = mixed(mesh.material.astype(np.uint64)) + mixed(owner.astype(np.uint64) + np.uint64(7))
-    _, first = np.unique(around + dress, return_index=True)
+    first, _ = distinct_numbers(around + dress)
     again = np.ones(len(owner), np.bool_)
     again[first] = False
     return again
@@ -136,7 +137,7 @@ def _across(mesh: Mesh, same: Integers, owner: Integers) -> tuple[Integers, NDAr
     there = here[after]
     low, high = np.minimum(here, there), np.maximum(here, there)
     edge = mixed(mixed(low.astype(np.uint64)) ^ high.astype(np.uint64))
-    order = np.argsort(edge, kind="stable")
+    order = stable_order(edge)
     edge = edge[order]
     starts = np.flatnonzero(np.concatenate([[True], edge[1:] != edge[:-1]]))
     two = starts[np.diff(np.append(starts, len(order))) == 2]

@@ -14,6 +14,7 @@ from typing import Literal
 import numpy as np
 
 from ipmlang.formats import FormatError
+from ipmlang.formats.distinct import distinct_numbers
 from ipmlang.formats.drawing import Note
 from ipmlang.formats.mesh import read_meshes
 from ipmlang.formats.mesh_types import Mesh
@@ -115,7 +116,7 @@ def _taken_apart(
     if not len(kept):
         hint = "; ".join(f"{note.message} ({note.count})" for note in (*said, *mended))
         raise FormatError("no face of the model has an area", hint=hint)
-    _, part = np.unique(part[kept], return_inverse=True)
+    _, part = distinct_numbers(part[kept])
     part, cut = segmented(better, same, part, diagonal, within * diagonal)
     pieces = sorted_pieces(better, same, part, keep_uv)
     found = _classes(pieces, within * diagonal, same_triangles)

@@ -13,6 +13,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ipmlang.formats.distinct import by_first, distinct_numbers
 from ipmlang.formats.mesh_types import Mesh
 from ipmlang.inverse.frames import Floats, Integers
 from ipmlang.inverse.parts.soup import corners_of
@@ -62,15 +63,11 @@ def sorted_pieces(mesh: Mesh, same: Integers, part: Integers, keep_uv: bool) -> 
     owner = np.repeat(part[order], sizes)
     # Vertices are numbered by first use, so that equal files of faces number them alike.
     key = owner * (int(same.max()) + 1) + same[used]
-    _, first, kind = np.unique(key, return_index=True, return_inverse=True)
-    by_use = np.argsort(first)
-    rank = np.empty(len(first), np.int64)
-    rank[by_use] = np.arange(len(first))
-    first = first[by_use]
+    first, kind = by_first(*distinct_numbers(key))
     after, before = neighbours(offsets)
     return Pieces(
         mesh.vertices[used[first]],
-        rank[kind],
+        kind,
         offsets,
         mesh.material[order],
         mesh.group[order],

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ipmlang.formats.distinct import distinct_rows
+from ipmlang.formats.distinct import by_first, distinct_numbers, distinct_rows
 from ipmlang.formats.drawing import Note
 from ipmlang.formats.mesh_types import Mesh
 from ipmlang.inverse.frames import Floats, Integers
@@ -89,7 +89,7 @@ def segmented(
         fresh = np.zeros(int(finer.max()) + 1, np.bool_)
         fresh[finer[np.bincount(finer, minlength=len(fresh))[finer] < faces[part]]] = True
         part = finer
-    _, first = np.unique(part, return_index=True)
+    first, _ = distinct_numbers(part)
     count = int((np.bincount(given[first]) > 1).sum())
     if not count:
         return given, ()
@@ -112,10 +112,7 @@ def _cut(
     label = cut(sheet)
     finer = part.copy()
     finer[faces] = int(part.max()) + 1 + label
-    _, first, kind = np.unique(finer, return_index=True, return_inverse=True)
-    rank = np.empty(len(first), np.int64)
-    rank[np.argsort(first)] = np.arange(len(first))
-    return rank[kind]
+    return by_first(*distinct_numbers(finer))[1]
 
 
 def _sheet(mesh: Mesh, same: Integers, part: Integers, faces: Integers, diagonal: float) -> Sheet:
@@ -160,7 +157,7 @@ def _choices(
     choice[several] = _EDGES
     whole = _shapes(sheet, same, parent, parent, tolerance)[0] + _PLACE * times
     for number, trial in enumerate(_TRIALS):
-        _, first, label = np.unique(trial.cut(sheet), return_index=True, return_inverse=True)
+        first, label = distinct_numbers(trial.cut(sheet))
         many = np.bincount(parent[first], minlength=len(rows))
         places = trial.place * many * times
         bound = places + _least_costs(sheet, parent, label)
@@ -235,14 +232,14 @@ def _shapes(
     """What the shapes of each parent cost to say, the numbers of each kind of piece in it; and how
     many kinds there are.
     """
-    label = np.unique(label, return_inverse=True)[1]
+    label = distinct_numbers(label)[1]
     pieces = sorted_pieces(sheet.mesh, same, label, False)
     above = parent[pieces.face[pieces.face_start[:-1]]]
     kind = np.zeros(len(pieces), np.int64)
     for number, rows in enumerate(alike(pieces, centers(pieces), tolerance)):
         kind[rows] = number
     own = 3.0 * np.diff(pieces.vertex_start) + np.diff(pieces.corner_start)
-    _, first = np.unique(above * len(pieces) + kind, return_index=True)
+    first, _ = distinct_numbers(above * len(pieces) + kind)
     count = int(parent.max()) + 1
     costs = np.bincount(above[first], own[first], count).astype(np.float64)
     return costs, np.bincount(above[first], minlength=count)

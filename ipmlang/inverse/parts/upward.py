@@ -108,15 +108,17 @@ def _juts(points: Floats, area: Floats, middle: Floats, box: Floats, axis: int) 
 
 def _faces(mesh: Mesh, matrix: Floats) -> tuple[Floats, Floats]:
     """The vector areas (f, 3) and the middles of faces in the world."""
-    points = _points(mesh, matrix)
-    size = np.diff(mesh.offsets)
-    first = np.repeat(points[mesh.offsets[:-1]], size, axis=0)
-    away = points - first
-    ahead = np.roll(away, -1, axis=0)
-    ahead[mesh.offsets[1:] - 1] = 0.0
-    twice = np.add.reduceat(np.cross(away, ahead), mesh.offsets[:-1], axis=0)
-    middle = np.add.reduceat(points, mesh.offsets[:-1], axis=0) / size[:, None]
-    return twice / 2, middle
+    points = _points(mesh, matrix).T.copy()
+    starts, size = mesh.offsets[:-1], np.diff(mesh.offsets)
+    away = points - np.repeat(points[:, starts], size, axis=1)
+    ahead = np.roll(away, -1, axis=1)
+    ahead[:, mesh.offsets[1:] - 1] = 0.0
+    twice = [
+        np.add.reduceat(away[i] * ahead[j] - away[j] * ahead[i], starts)
+        for i, j in ((1, 2), (2, 0), (0, 1))
+    ]
+    middle = [np.add.reduceat(column, starts) / size for column in points]
+    return np.stack(twice, axis=1) / 2, np.stack(middle, axis=1)
 
 
 def _ground(box: Floats) -> str:

@@ -9,10 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ipmlang.formats.distinct import distinct_rows
+from ipmlang.formats.distinct import by_first, distinct_numbers, distinct_rows
 from ipmlang.inverse.frames import Floats, Integers
 
-_FEW = 2000  # pairs for which no matrix is made
 SAME, MEETING = 1e-7, 5e-6  # shares of the diagonal; bricks that lie near are not one
 
 
@@ -37,43 +36,31 @@ def welded(points: Floats, diagonal: float) -> tuple[Integers, Integers]:
 def linked(count: int, pairs: Integers) -> Integers:
     """The connected component of each of `count` nodes under pairs (p, 2), numbered in the order
     of their first nodes.
+
+    >>> linked(5, np.array([[3, 1], [4, 3]])).tolist()
+    [0, 1, 2, 1, 1]
     """
-    if len(pairs) <= _FEW:
-        return _linked(count, pairs)
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
-    ones = np.ones(len(pairs), np.int8)
-    graph = coo_matrix((ones, (pairs[:, 0], pairs[:, 1])), (count, count))
-    return connected_components(graph, directed=False)[1].astype(np.int64)
-
-
-def _linked(count: int, pairs: Integers) -> Integers:
-    """The same without a matrix: the least node of each component leads it."""
-    lead = np.arange(count)
+    lead = np.arange(count)  # the least node of each component comes to lead it
+    one, two = pairs.T.copy()
     while True:
-        ends = lead[pairs]
-        apart = ends[:, 0] != ends[:, 1]
+        apart = one != two
         if not apart.any():
-            break
-        pairs, ends = pairs[apart], ends[apart]
-        np.minimum.at(lead, ends.max(axis=1), ends.min(axis=1))
+            return np.asarray((np.cumsum(lead == np.arange(count)) - 1)[lead])
+        low, high = np.minimum(one, two)[apart], np.maximum(one, two)[apart]
+        np.minimum.at(lead, high, low)
         above = lead[lead]
         while (above != lead).any():
             lead, above = above, above[above]
-    return np.asarray((np.cumsum(lead == np.arange(count)) - 1)[lead])
+        one, two = lead[low], lead[high]
 
 
 def connected_faces(nodes: Integers, offsets: Integers) -> Integers:
     """The component of each face (f,) by the nodes of its corners (c,), numbered in the order of
     their first faces.
     """
-    _, nodes = np.unique(nodes, return_inverse=True)
+    _, nodes = distinct_numbers(nodes)
     sizes = np.diff(offsets)
     begin = nodes[offsets[:-1]]
     pairs = np.stack([np.repeat(begin, sizes), nodes], axis=1)
     label = linked(int(nodes.max()) + 1, pairs[pairs[:, 0] != pairs[:, 1]])[begin]
-    _, first, kind = np.unique(label, return_index=True, return_inverse=True)
-    rank = np.empty(len(first), np.int64)
-    rank[np.argsort(first)] = np.arange(len(first))
-    return rank[kind]
+    return by_first(*distinct_numbers(label))[1]

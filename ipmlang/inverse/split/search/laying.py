@@ -17,7 +17,6 @@ from ipmlang.inverse.frames import (
     compose,
     from_matrices,
     inverse,
-    linear,
     matrices,
     moved_to,
 )
