@@ -79,9 +79,12 @@ def grow(
     rows: Integers,
     used: Mask,
     share: float,
+    fitted: bool = False,
 ) -> Chain | None:
-    """The longest chain about given members (m,) that no other took; None if they do not fit."""
-    model = fit(given, index, known.at[rows])
+    """The longest chain about given members (m,) that no other took; None if they do not fit, or
+    are too few; fitted: the model was fitted to these members.
+    """
+    model = given if fitted else fit(given, index, known.at[rows])
     for _ in range(GROWTHS):
         slack = LATE if len(rows) >= 8 else EARLY
         new_index, new_rows = _next(known, model, index, rows, used, share, slack)
@@ -95,6 +98,8 @@ def grow(
         index, rows = index[keep], rows[keep]
         if not keep.all() and not keep[-len(new_rows) :].any():
             break
+    if len(rows) < LEAST_EXACT[model.kind]:
+        return None
     order = np.argsort(index)
     return _finished(known, model, index[order], rows[order], share)
 

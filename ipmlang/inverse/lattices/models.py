@@ -54,6 +54,18 @@ class Model:
         return (TERMS[self.kind] - (self.closed > 0)) / 2
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Turning:
+    """What turns about a centre, at m indices: places, directions from the centre, radii, and the
+    derivatives of these by the radial parameters.
+    """
+
+    places: Complexes
+    ahead: Complexes
+    radius: Floats
+    radial: list[Floats]
+
+
 def at(model: Model, index: Integers | Floats) -> Complexes:
     """(m,) positions of indices.
 
@@ -65,8 +77,7 @@ def at(model: Model, index: Integers | Floats) -> Complexes:
     if model.straight:
         along = known[0::2] + 1j * known[1::2]
         return np.asarray(along[0] + i * (along[1] + (i * along[2] if len(along) > 2 else 0)))
-    radius, _ = _radius(model, i)
-    return np.asarray(known[0] + 1j * known[1] + radius * np.exp(1j * (known[2] + known[TURN] * i)))
+    return np.asarray(_turning(model, i).places)
 
 
 def _radius(model: Model, i: Floats) -> tuple[Floats, list[Floats]]:
@@ -89,12 +100,17 @@ def spacing(model: Model, index: Integers) -> Floats:
     """(m,) units between neighbours about each index: what noise is a share of. Where steps shrink,
     noise often does not: it is a share of a large one.
     """
-    if model.kind == "vogel":
-        return np.full(len(index), np.sqrt(np.pi) * abs(model.numbers[4]))
-    here = at(model, index)
-    after, before = np.abs(at(model, index + 1) - here), np.abs(here - at(model, index - 1))
-    local = np.minimum(after, before)
-    return np.maximum(local, np.quantile(local, LARGE)) if model.kind == "log" else local
+    known = model.numbers
+    match model.kind:
+        case "vogel":
+            return np.full(len(index), np.sqrt(np.pi) * abs(known[4]))
+        case "line":
+            return np.full(len(index), np.hypot(known[2], known[3]))
+        case "ring":
+            return np.full(len(index), abs(2 * known[4] * np.sin(known[TURN] / 2)))
+    before, here, after = at(model, index + np.array([[-1], [0], [1]]))
+    local = np.minimum(np.abs(after - here), np.abs(here - before))
+    return np.asarray(np.maximum(local, np.quantile(local, LARGE)) if model.kind == "log" else local)
 
 
 def fit(model: Model, index: Integers, places: Complexes) -> Model:
@@ -103,21 +119,23 @@ def fit(model: Model, index: Integers, places: Complexes) -> Model:
         return _fit_straight(model, index, places)
     i = np.asarray(index, np.float64)
     held = (*model.held, TURN) if model.closed else model.held
-    free = np.array([k for k in range(len(model.numbers)) if k not in held])
-    best, left = model, _misfit(model, i, places)
+    free = [k for k in range(len(model.numbers)) if k not in held]
+    best, turning = model, _turning(model, i)
+    left = _misfit(turning.places, places)
     for _ in range(ROUNDS):
-        apart = places - at(best, i)
-        slopes = _slopes(best, i)[:, free]
+        apart = places - turning.places
+        slopes = _slopes(turning, i)[:, free]
         change = np.zeros(len(best.numbers))
         change[free] = _solve(
             np.concatenate([slopes.real, slopes.imag]), np.concatenate([apart.real, apart.imag])
         )
-        tried = replace(best, numbers=best.numbers + change)
-        rest = _misfit(tried, i, places)
+        tried = Model(best.kind, best.numbers + change, best.closed, best.held)
+        after = _turning(tried, i)
+        rest = _misfit(after.places, places)
         if not rest < left:
             break
         done = rest > 0.999 * left
-        best, left = tried, rest
+        best, turning, left = tried, after, rest
         if done:
             break
     return best
@@ -130,17 +148,26 @@ def _solve(slopes: Floats, rest: Floats) -> Floats:
     return np.asarray(np.linalg.lstsq(slopes / size, rest, rcond=1e-12)[0] / size, np.float64)
 
 
-def _misfit(model: Model, i: Floats, places: Complexes) -> float:
-    return float((np.abs(places - at(model, i)) ** 2).sum())
+def _misfit(found: Complexes, places: Complexes) -> float:
+    return float((np.abs(places - found) ** 2).sum())
 
 
-def _slopes(model: Model, i: Floats) -> Complexes:
-    """(m, k) derivatives of the places by each parameter."""
+def _turning(model: Model, i: Floats) -> _Turning:
+    known = model.numbers
     radius, radial = _radius(model, i)
-    ahead = np.exp(1j * (model.numbers[2] + model.numbers[TURN] * i))
-    aside = 1j * radius * ahead
-    columns = [np.ones(len(i)), 1j * np.ones(len(i)), aside, aside * i]
-    return np.stack([*columns, *(ahead * each for each in radial)], axis=1)
+    ahead = np.exp(1j * (known[2] + known[TURN] * i))
+    return _Turning(known[0] + 1j * known[1] + radius * ahead, ahead, radius, radial)
+
+
+def _slopes(turning: _Turning, i: Floats) -> Complexes:
+    """(m, k) derivatives of the places by each parameter."""
+    made = np.empty((len(i), 4 + len(turning.radial)), np.complex128)
+    made[:, 0], made[:, 1] = 1, 1j
+    made[:, 2] = 1j * turning.radius * turning.ahead
+    made[:, 3] = made[:, 2] * i
+    for k, each in enumerate(turning.radial):
+        made[:, 4 + k] = turning.ahead * each
+    return made
 
 
 def _fit_straight(model: Model, index: Integers, places: Complexes) -> Model:

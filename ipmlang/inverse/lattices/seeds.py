@@ -74,7 +74,7 @@ def find_rows(known: Cloud, used: Mask, share: float) -> list[Chain]:
     found: list[Chain] = []
     for index, rows in seeds.fresh():
         first = start("line", known.at[rows], index)
-        chain = None if first is None else grow(known, first, index, rows, used, share)
+        chain = None if first is None else grow(known, first, index, rows, used, share, True)
         if chain is None:
             continue
         seeds.note(chain)
@@ -213,7 +213,7 @@ def _bent(
     off = np.abs(known.at[rows] - at(first, index))
     if (off > LATE * np.maximum(known.exact, known.loose * spacing(first, index))).any():
         return None
-    return grow(known, first, index, rows, used, share)
+    return grow(known, first, index, rows, used, share, fitted=True)
 
 
 def _bend_seeds(known: Cloud, used: Mask, share: float, line: Integers) -> Seeds:
