@@ -14,9 +14,6 @@ radius except box polygon over nearest` after what they belong to.
 
 from __future__ import annotations
 
-import gc
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from typing import TypeAlias
@@ -31,6 +28,7 @@ from ipmlang.compiler.diagnostics import Diagnostic, Source
 from ipmlang.compiler.items import ItemCache as Cache
 from ipmlang.compiler.items import Piece, split, stray_code
 from ipmlang.compiler.syntax_errors import Trouble, explain
+from ipmlang.formats.collection import without_collection
 
 MAX_ITEM = 64_000_000
 
@@ -63,7 +61,7 @@ def parse(
     text = source.text
     pieces = split(text)
     header, blank = _lead(text[: max(0, pieces[0][0] - 1)] if pieces else text)
-    with _without_collection():
+    with without_collection():
         parsed = _parse_all([text[start:end] for start, end in pieces], blank, cache)
     diagnostics = _stray(source, pieces)
     diagnostics += [
@@ -77,20 +75,6 @@ def parse(
     )
     trailer = _lead(text[pieces[-1][1] :])[0] if pieces else ()
     return ast.Grammar(items, header, trailer, offsets), tuple(diagnostics)
-
-
-@contextmanager
-def _without_collection() -> Iterator[None]:
-    """Holds the search for reference cycles off: trees have none, and on a large file it takes as
-    long as the parsing, and grows faster than the file.
-    """
-    was_on = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was_on:
-            gc.enable()
 
 
 def _parse_all(texts: list[str], blank: bool, cache: ItemCache | None) -> list[Parsed]:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from ipmlang.compiler.diagnostics import IpmError, fail
 from ipmlang.formats import FormatError
+from ipmlang.formats.collection import without_collection
 from ipmlang.formats.drawing import Drawing
 from ipmlang.inverse.found import Found
 from ipmlang.inverse.options import Options
@@ -23,10 +24,11 @@ def grammar_of_drawing(
     path: Path, stem: str, flat: bool, say: Callable[[str], None], options: Options
 ) -> Found:
     """The shortest proven grammar of a drawing."""
-    drawing = _read(path)
-    from ipmlang.inverse.regular import grammar_of
+    with without_collection():
+        drawing = _read(path)
+        from ipmlang.inverse.regular import grammar_of
 
-    made = grammar_of(drawing, stem, flat, say, options)
+        made = grammar_of(drawing, stem, flat, say, options)
     report = replace(made.report, source_bytes=drawing.source_bytes, notes=_notes(drawing))
     return Found(made.grammar, made.parts.encode("utf-8"), ".svg", report, made.explanation)
 

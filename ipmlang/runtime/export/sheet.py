@@ -6,15 +6,14 @@ and placed for all their rows together. Nothing is derived and nothing is writte
 
 from __future__ import annotations
 
-import contextlib
-import gc
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.compiler.diagnostics import fail
+from ipmlang.formats.collection import without_collection
 from ipmlang.formats.drawing import ARC, LINE, Drawing, DrawnElement, Effect, Outline, Style
 from ipmlang.formats.svg.transforms import Matrix, multiply
 from ipmlang.runtime.export.drawn_assets import (
@@ -44,22 +43,8 @@ def drawing_of(scene: Scene) -> Drawing:
             "this grammar leaves the plane, so it has no drawing",
             hint="write .glb or .obj; pictures of 3-D come with `render`",
         )
-    with _without_collection():
+    with without_collection():
         return _Sheet(scene).drawing()
-
-
-@contextlib.contextmanager
-def _without_collection() -> Iterator[None]:
-    """A million small objects that all stay: looking for garbage among them would cost more than
-    making them.
-    """
-    enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if enabled:
-            gc.enable()
 
 
 @dataclass(slots=True)
@@ -86,8 +71,9 @@ class _Sheet:
             self.groups, self.effects = drawn_groups(self.scene.groups, self.flip)
         counts = np.ones(len(table), np.intp)
         counts[(table.asset == SCOPE) & ~(table.size[:, :2] != 0).all(axis=1)] = 0
+        rows_of = _rows_of(table.asset, list(assets))
         for number, asset in assets.items():
-            counts[table.asset == number] = len(asset.elements)
+            counts[rows_of[number]] = len(asset.elements)
         order = paint_order(table.layer, self.scene.groups)
         place = np.empty(len(table), np.intp)
         place[order] = np.cumsum(counts[order]) - counts[order]
@@ -96,8 +82,7 @@ class _Sheet:
             rows = np.flatnonzero((table.asset == kind) & (counts > 0))
             if len(rows):
                 draw(rows, place[rows])
-        for number, asset in assets.items():
-            self._draw_asset(number, asset, place)
+        self._draw_assets(assets, rows_of, place)
         drawn = tuple(element for element in self.elements if element is not None)
         width, height = self.scene.canvas_size
         return Drawing(drawn, self.scene.canvas, width, height, self.effects, notes)
@@ -183,10 +168,19 @@ class _Sheet:
             outline = Outline(kind, points, starts, closed)
             elements[at] = DrawnElement(outline, style, None, source)
 
-    def _draw_asset(self, number: int, asset: Drawing, place: Rows) -> None:
-        table = self.scene.instances
-        rows = np.flatnonzero(table.asset == number)
-        matrices = drawing_matrices(table, rows, self.flip)
+    def _draw_assets(
+        self, assets: dict[int, Drawing], rows_of: dict[int, Rows], place: Rows
+    ) -> None:
+        """Their matrices at once, since there may be many assets of a few copies each."""
+        every = np.concatenate([np.zeros(0, np.intp), *(rows_of[number] for number in assets)])
+        matrices = drawing_matrices(self.scene.instances, every, self.flip)
+        first = 0
+        for number, asset in assets.items():
+            rows = rows_of[number]
+            self._draw_asset(asset, rows, matrices[first : first + len(rows)], place)
+            first += len(rows)
+
+    def _draw_asset(self, asset: Drawing, rows: Rows, matrices: Floats, place: Rows) -> None:
         for offset, element in enumerate(asset.elements):
             at, outline = place[rows] + offset, element.outline
             if outline is None or depends_on_frame(element.style):
@@ -227,6 +221,14 @@ class _Sheet:
         key = f"{name} {matrix}"
         self.effects[key] = replace(effect, matrix=multiply(matrix, effect.matrix))
         return key
+
+
+def _rows_of(assets: NDArray[np.integer], numbers: list[int]) -> dict[int, Rows]:
+    """The rows of each asset, rising."""
+    order = np.argsort(assets, kind="stable")
+    first, after = (np.searchsorted(assets[order], numbers, side) for side in ("left", "right"))
+    bounds = zip(numbers, first.tolist(), after.tolist(), strict=True)
+    return {number: order[begin:end] for number, begin, end in bounds}
 
 
 def _polygon(corners: Floats, flip: float) -> Outline:
