@@ -110,7 +110,7 @@ def spacing(model: Model, index: Integers) -> Floats:
             return np.full(len(index), abs(2 * known[4] * np.sin(known[TURN] / 2)))
     before, here, after = at(model, index + np.array([[-1], [0], [1]]))
     local = np.minimum(np.abs(after - here), np.abs(here - before))
-    return np.asarray(np.maximum(local, np.quantile(local, LARGE)) if model.kind == "log" else local)
+    return np.maximum(local, np.quantile(local, LARGE)) if model.kind == "log" else local
 
 
 def fit(model: Model, index: Integers, places: Complexes) -> Model:
