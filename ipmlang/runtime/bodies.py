@@ -32,8 +32,8 @@ OWN = -1  # the site of what is drawn under the shape's own key
 @dataclass(frozen=True, slots=True)
 class Scope:
     """The names of one batch: its row count, keys, parameters, the numbers of copies around it, the
-    registers, the rows that draw (None: all; what it names may be None, too), and how many pieces
-    there are of each operation around it.
+    registers, the rows that draw (None: all; what it names may be None, too), how many pieces there
+    are of each operation around it, and for copies the rows around that they belong to.
     """
 
     count: str
@@ -44,6 +44,12 @@ class Scope:
     copies: tuple[tuple[int, str], ...] = ()
     shown: str | None = None
     many: Mapping[int, str] = field(default_factory=dict)
+    owners: tuple[str, ...] = ()
+
+    @property
+    def around(self) -> str:
+        """The rows that the copies belong to, from the innermost ones outward, as one argument."""
+        return f"({', '.join(self.owners)},)" if self.owners else "()"
 
     @property
     def numbers(self) -> str:
@@ -175,7 +181,7 @@ class Writer:
             elif each.op in scope_bodies.SHAPING:
                 state = scope_bodies.shaped(self, each, given, scope, state)
             else:
-                state = self._state(each, given, state)
+                state = self._state(each, given, scope, state)
             state = questions.known(self, each, given, scope, site, state)
         return state
 
@@ -205,7 +211,8 @@ class Writer:
                 self.source.lines.append(f"if not isfinite({source(value)}):")
                 self.source.lines.append(f"    run.finite({source(value)}, {name!r})")
             else:
-                self.source.lines.append(f"run.finite({source(value)}, {name!r}, {scope.shown})")
+                where = f"{scope.shown}, {scope.around}"
+                self.source.lines.append(f"run.finite({source(value)}, {name!r}, {where})")
 
     def _value(
         self, each: ir.Instruction, scope: Scope, registers: Mapping[int, Operand], state: State
@@ -244,7 +251,9 @@ class Writer:
 
     # --------------------------------------------------------------------------- state
 
-    def _state(self, each: ir.Instruction, args: list[Operand], state: State) -> State:
+    def _state(
+        self, each: ir.Instruction, args: list[Operand], scope: Scope, state: State
+    ) -> State:
         match each.op:
             case "move":
                 return self.motion.moved(state, args[0], args[1], args[2])
@@ -257,7 +266,8 @@ class Writer:
             case "scale":
                 factor = args[0]
                 if not isinstance(factor, float) or factor <= 0:
-                    self.source.lines.append(f"run.factor({source(factor)})")
+                    around = "" if self._single else f", {scope.around}"
+                    self.source.lines.append(f"run.factor({source(factor)}{around})")
                 return {**state, "scale": self.source.multiply(state["scale"], factor)}
             case "mirror":
                 return {**state, "scale": self.source.minus(state["scale"])}
@@ -333,7 +343,7 @@ class Writer:
         else:
             where = f"{scope.k0}, {scope.k1}, {site}, {scope.tuple}"
             what = f"{scope.count}, rule, {symbol}, {asset}, {parts[0]}, {parts[1]}, {where}"
-            self.slots.append(self.held(f"run.draw({what}, {shown})"))
+            self.slots.append(self.held(f"run.draw({what}, {shown}, {scope.around})"))
 
     def _make(
         self, symbol: int, scope: Scope, args: tuple[Operand, ...], site: int, state: State
@@ -374,9 +384,9 @@ class Writer:
 
     def _repeat(self, each: ir.Instruction, scope: Scope, state: State) -> State:
         write = self.source
-        shown = "" if scope.shown is None else f", {scope.shown}"
         limit = source(scope.registers[each.args[0]])
-        counts = write.let(f"run.counts({limit}, {scope.count}{shown})")
+        where = f"{scope.count}, {scope.shown}, {scope.around}"
+        counts = write.let(f"run.counts({limit}, {where})")
         found = self.held(f"run.copies({counts})")
         owner, index = write.let(f"{found}[0]"), write.let(f"{found}[1]")
         assert isinstance(each.const, int)
@@ -454,7 +464,8 @@ class Writer:
         for register in each.args[1:]:
             hole = self.taken(scope.registers[register], owner)
             if not self.quiet:
-                self.source.lines.append(f"run.finite({source(hole)}, 'except')")
+                around = replace(scope, owners=(owner, *scope.owners)).around
+                self.source.lines.append(f"run.finite({source(hole)}, 'except', None, {around})")
             clear = self.source.let(f"({source(hole)} != {index})")
             shown = clear if shown is None else self.source.let(f"{shown} & {clear}")
         rows = None if shown is None else self.source.let(f"flatnonzero({shown})")
@@ -474,6 +485,7 @@ class Writer:
             (*copies, (number, index)),
             rows,
             {around: self.source.let(f"{name}[{owner}]") for around, name in scope.many.items()},
+            (owner, *scope.owners),
         )
 
     def taken(self, value: Operand, owner: str) -> Operand:

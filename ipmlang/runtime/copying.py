@@ -21,6 +21,7 @@ from ipmlang.runtime.limits import Counted
 from ipmlang.runtime.rewrite import copies_of
 
 Numbers = NDArray[np.int64]
+Around = tuple[Numbers, ...]  # the rows that copies belong to, from the innermost ones outward
 Pair = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
@@ -31,12 +32,17 @@ class Copying:
         self.program = program
         self.counted = counted
 
-    def factor(self, value: Column) -> None:
+    def factor(self, value: Column, around: Around = ()) -> None:
         """A scale's factor must be above 0."""
-        if not np.all(np.asarray(value) > 0):
-            raise self.counted.error("scale-not-positive", "`*` needs a factor above 0")
+        fits = np.atleast_1d(value) > 0
+        if not fits.all():
+            message = "`*` needs a factor above 0"
+            row = int(np.argmin(fits))
+            raise self.counted.error("scale-not-positive", message, row=row, around=around)
 
-    def finite(self, value: Column, name: str, shown: Numbers | None = None) -> None:
+    def finite(
+        self, value: Column, name: str, shown: Numbers | None = None, around: Around = ()
+    ) -> None:
         """An argument of an operation must be a finite number, in the rows that are shown."""
         if math.isfinite(np.minimum.reduce(value, axis=None, initial=0.0)) and math.isfinite(
             np.maximum.reduce(value, axis=None, initial=0.0)
@@ -49,17 +55,23 @@ class Copying:
             return
         if len(wrong):
             message = f"an argument of {name} is not a finite number"
-            raise self.counted.error("not-a-number", message, row=int(wrong[0]))
+            row = int(wrong[0])
+            raise self.counted.error("not-a-number", message, row=row, around=around)
 
-    def counts(self, limit: Column, count: int, shown: Numbers | None = None) -> Numbers:
+    def counts(
+        self, limit: Column, count: int, shown: Numbers | None = None, around: Around = ()
+    ) -> Numbers:
         """How many copies each row of a batch makes, (count,); a row that is not shown makes none
         where its limit is no number.
         """
         limits = np.broadcast_to(np.asarray(limit, np.float64), (count,))
         if shown is not None:
             limits = np.where(self.mask(shown, count) | np.isfinite(limits), limits, 0.0)
-        if not np.isfinite(limits).all():
-            raise self.counted.error("not-a-number", "the count of a repeat is no finite number")
+        known = np.isfinite(limits)
+        if not known.all():
+            message = "the count of a repeat is no finite number"
+            row = int(np.argmin(known))
+            raise self.counted.error("not-a-number", message, row=row, around=around)
         found = copies_of(limits)
         self.counted.copy(float(found.sum()))
         return found.astype(np.int64)

@@ -22,6 +22,7 @@ from ipmlang.runtime.bodies import OWN, Setting
 from ipmlang.runtime.choose import Choice, ShapeError, module, told
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.compiled import Compiled
+from ipmlang.runtime.copying import Around
 from ipmlang.runtime.drawings import Chunk
 from ipmlang.runtime.fields import LAG
 from ipmlang.runtime.grouping import Grouping
@@ -286,6 +287,7 @@ class Frontier(Trimming):
         site: int,
         copies: tuple[Words, ...],
         rows: NDArray[np.int64] | None,
+        around: Around = (),
     ) -> Drawn:
         """Note what every row of a batch, or some rows, draw."""
         whole, count = count, count if rows is None else len(rows)
@@ -294,19 +296,22 @@ class Frontier(Trimming):
             self.drawings, count, rule, symbol, asset, size, own, k0, k1, site, copies, rows
         )
         self.counted.draw(count)
-        self.check_drawn(chunk)
+        self.check_drawn(chunk, around)
         if self._recorder is not None:
             self._recorder.drew(site, chunk)
         if self.asked is not None:
             self.note_drawn(whole, symbol, asset, own, (k0, k1, site, copies), rows)
         return self.note(chunk)
 
-    def check_drawn(self, chunk: Chunk) -> None:
+    def check_drawn(self, chunk: Chunk, around: Around = ()) -> None:
         """Stop at a size, a place, a turn or a scale that is not finite."""
-        self._check_columns(chunk, (*chunk.size, *_some(chunk, PLACES)), "a size, or in a place,")
-        self._check_columns(chunk, _some(chunk, TURNED), "a turn, or a scale,")
+        places = (*chunk.size, *_some(chunk, PLACES))
+        self._check_columns(chunk, places, "a size, or in a place,", around)
+        self._check_columns(chunk, _some(chunk, TURNED), "a turn, or a scale,", around)
 
-    def _check_columns(self, chunk: Chunk, columns: Iterable[Column], said: str) -> None:
+    def _check_columns(
+        self, chunk: Chunk, columns: Iterable[Column], said: str, around: Around
+    ) -> None:
         for column in columns:
             if np.isfinite(np.sum(column)) or not chunk.count:
                 continue
@@ -318,6 +323,7 @@ class Frontier(Trimming):
                     "not-a-number",
                     f"it would draw {what} {said} that is not a finite number",
                     row=int(wrong[0] if chunk.rows is None else chunk.rows[wrong[0]]),
+                    around=around,
                 )
 
     def note(self, chunk: Chunk) -> Drawn:

@@ -130,8 +130,13 @@ class Counted:
         hint: str | None = None,
         shape: int | None = None,
         row: int = 0,
+        around: Sequence[NDArray[np.int64]] = (),
     ) -> IpmError:
-        """An error at a shape, or at the rule that is applied now and a row of its batch."""
+        """An error at a shape, or at the rule that is applied now and a row of its batch, or of
+        copies: `around` are the rows that these belong to, from the innermost ones outward.
+        """
+        for owner in around:
+            row = int(owner[min(row, len(owner) - 1)]) if len(owner) else 0
         if shape is None:
             shape = int(self.now[min(row, len(self.now) - 1)]) if len(self.now) else self._one
             rule = self._program.axiom if self.rule < 0 else self._program.productions[self.rule]

@@ -6,7 +6,7 @@ import pytest
 
 from ipmlang.compiler import ir
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError
-from ipmlang.runtime import frontier, single
+from ipmlang.runtime import derive, frontier, single
 from ipmlang.runtime.bind import bind
 from ipmlang.runtime.numpy_backend import derive_frontier
 from ipmlang.runtime.strings import derive_string
@@ -105,3 +105,23 @@ def test_a_count_that_is_no_number_is_an_error_in_strings_too() -> None:
     found = failure("A(n) --> repeat(i < n / n) { F } F\nstart A(0) F\n", "string")
     assert (found.code, found.trail) == ("not-a-number", "start > A")
     assert "the count of a repeat is no finite number" in found.message
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "repeat(i < 3) { [!(sqrt(150.5 - k)) F] }",
+        "repeat(i < 3) { repeat(j < 2) { [F(sqrt(150.5 - k))] } }",
+        "repeat(i < 3) { repeat(j < 1 + sqrt(150.5 - k)) { [F] } }",
+        "repeat(i < 3) { [*(150.5 - k) F] }",
+        "repeat(i < 3) except (1, sqrt(150.5 - k)) { [F] }",
+        "repeat(i < 3) except (0, 2) { [f(1e308 * sqrt(k - 150.5)) f(1e308 * k) F] }",
+    ],
+)
+def test_the_way_leads_to_the_shape_whose_copies_fail(body: str) -> None:
+    """A row of copies is not a row of the shapes that they are made of."""
+    text = f"B(k) --> {body}\nstart repeat(k < 200) {{ [B(k)] }}\n"
+    with pytest.raises(IpmError) as raised:
+        derive(compiled("ipm 1\n" + text), seed=0)
+    wanted = 0 if "k - 150" in body else 151
+    assert raised.value.diagnostics[0].trail == f"start > B[{wanted}]"
