@@ -45,6 +45,7 @@ LEAST_REGULAR = 0.3  # of the flat tokens: what is shorter needs no other look
 ROW = 2  # tokens that a row of a table counts for beyond those it takes: rules can be changed
 LEFT = 4  # placements of one symbol that a lattice could say
 TWINS = 3  # symbols placed twice that a group could say
+AS_SHORT = 1.01  # times as many tokens rules with parameters may take that spare fewer tables
 NOISE_TOKENS = 1.25  # times as many tokens a regular grammar with residuals may have
 SHORT = 0.1  # of the flat tokens: a recursion that no other rules will beat
 FEW = 600  # elements for which a second look costs hardly any time
@@ -115,14 +116,19 @@ def best_grammar(
         seen_so, memory = with_runs(goal, ways[:1] if attempts else ways), Memories()
         tried = [searched(goal, way, say, memory) for way in seen_so]
         found = min(tried, key=lambda each: each.written.ruled)
+        folded = [] if options.paper else _folded(found, len(observed))
+        shortest = min([found.written.ruled, *(each.tokens + each.more for each in folded)])
         enough = LEAST_REGULAR if len(observed) > FEW else LEAST_REGULAR / 2
-        irregular = found.written.ruled > enough * flat_tokens and _may_be_regular(found.book)
+        irregular = shortest > enough * flat_tokens and _may_be_regular(found.book)
         if irregular and len(observed) <= MOST_SCATTERED and not attempts:
             say("looking for lattices")
             again = [searched(goal, way, say, memory, True) for way in seen_so]
             again = [each for each in again if _bends_order(each.book)]
-            found = _better(found, again, options.symmetrize)
-        attempts += _written_out(found, len(observed))
+            regular = _better(found, again, options.symmetrize)
+            if regular is not found:
+                folded = [each for each in folded if _beats(each, regular, options.symmetrize)]
+                found, folded = regular, [*folded, *_folded(regular, len(observed))]
+        attempts += folded + _written_out(found, len(observed))
         asked = options.paper or options.symmetrize
         if not (_bends_order(found.book) or asked):
             # Few rules among many loose placements may cost more than they save: tables say less.
@@ -184,26 +190,29 @@ def _ideal(goal: Goal, flat: Written) -> Goal:
     return replace(goal, given=replace(given, proof=proof))
 
 
+def _beats(attempt: Attempt, regular: Found, symmetrize: bool) -> bool:
+    """Whether rules with parameters weigh less than what begins with lattices."""
+    return not symmetrize and attempt.write().weight < regular.written.weight
+
+
 def _written_out(found: Found, elements: int) -> list[Attempt]:
-    """The rules with parameters, as they were found, and with every digit."""
+    """The rules as they are printed, and with every digit."""
     book, exact = found.book, replace(found.subject, share=1e-12)
     counts, tokens = _counts(book, elements), found.written.tokens
     return [
-        *_folded(found, counts, elements),
         Attempt("rules", lambda: found.written, counts, tokens, found.written.spared),
         Attempt("rules", lambda: write_grammar(book, exact), counts, tokens, found.written.spared),
     ]
 
 
-def _folded(found: Found, counts: Counts, elements: int) -> list[Attempt]:
+def _folded(found: Found, elements: int) -> list[Attempt]:
     """The rules with parameters, where that is shorter."""
-    if counts.rules == 0:
-        return []
     written = write_grammar(found.book, replace(found.subject, folded=True))
     if written.folded is None or written.ruled >= found.written.ruled:
         return []
-    if written.tokens > found.written.tokens:
+    if written.tokens > AS_SHORT * found.written.tokens:
         return []
+    counts = _counts(found.book, elements)
     drawn = rules_drawn(written.folded.rules).values()
     explained = counts.explained - written.folded.loose / max(1, elements)
     own = Counts(len(drawn), sum(often > 1 for often in drawn), explained)

@@ -100,6 +100,18 @@ def test_turned_stretches_are_placed_by_their_turn() -> None:
     assert "[at(20, 20, 10) Motif] [at(50, 31, 55) Motif] [at(32, 80, -20) Motif]" in made
 
 
+def test_what_turns_about_a_point_is_told_its_angle_alone() -> None:
+    def gauge(x: float, y: float, angle: float) -> str:
+        needle = np.round([x + 4 * np.cos(np.deg2rad(angle)), y + 4 * np.sin(np.deg2rad(angle))], 6)
+        return (
+            f"[at({x}, {y}) Box] [at({x}, {y + 7}) Dot] [at({needle[0]}, {needle[1]}, {angle}) Bar]"
+        )
+
+    gauges = [gauge(10, 20, 15), gauge(50, 26, 80), gauge(31, 70, -130), gauge(83, 77, 48)]
+    made = folded(f"Drawing --> {' '.join(gauges)}\n")
+    assert "Motif(angle) --> Box [at(0, 7) Dot] [+(angle) at(4, 0) Bar]" in made
+
+
 @pytest.mark.parametrize(
     "body",
     [
@@ -118,3 +130,26 @@ def test_what_moves_the_turtle_keeps_its_bracket() -> None:
              ((3, 4), (40, 11), (22, 60), (71, 33))]  # fmt: skip
     made = folded(f"Drawing --> {' '.join(steps)}\nRow --> repeat(i < 3) {{ [Box] f(2) }}\n")
     assert "Motif   --> [Row] [at(9, 0) Box]" in made
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_whatever_is_folded_draws_the_same(seed: int) -> None:
+    """Copies of a few things, turned and mirrored, with parts that go their own way."""
+    random = np.random.default_rng(seed)
+    things = [
+        [(str(random.choice(["Box", "Dot", "Bar"])), *random.integers(-9, 9, 3).tolist())
+         for _ in range(random.integers(2, 5))]
+        for _ in range(3)
+    ]  # fmt: skip
+    body = []
+    for _ in range(int(random.integers(4, 16))):
+        x, y, turn = [*random.integers(0, 90, 2).tolist(), int(random.choice([0, 90, 25]))]
+        own = random.integers(-4, 4, 2).tolist()
+        mirror = " mirror" * int(random.integers(0, 2))
+        rows = "".join(
+            f"[at({a + own[k % 2] * (k % 3)}, {b + own[0] * (k == 1)}, {c}) {name}]"
+            for k, (name, a, b, c) in enumerate(things[int(random.integers(0, 3))])
+        )
+        body.append(f"[at({x}, {y}, {turn}){mirror} Copy{len(body)}]")
+        body.append(f"Copy{len(body) - 1} --> {rows}")
+    folded(f"Drawing --> {' '.join(body[::2])}\n" + "\n".join(body[1::2]) + "\n")

@@ -102,6 +102,10 @@ class Book:
                 found.update(modules(rule.body))
         return found
 
+    def length(self) -> int:
+        """How many rows there are, those in brackets too."""
+        return sum(len(rows) for _, _, rows in self.stretches())
+
     def loose(self) -> int:
         """How many terminals stand in the axiom itself."""
         rules = self.plain.keys() | self.fixed.keys() | self.templates.keys()

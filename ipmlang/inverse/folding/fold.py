@@ -48,12 +48,13 @@ def fold(rules: Sequence[ast.Rule], error: float, taken: Set[str]) -> Folded:
     that rules and parameters may not have.
     """
     given, known = rounding(error), Known()
-    first = read_book(rules)
+    best, first = Folded(tuple(rules)), read_book(rules)
+    if first.length() > MOST_ROWS:
+        return best
     before, loose = printed_tokens(rules), first.loose()
-    best = Folded(tuple(rules))
     for book in _levels(first, given):
-        if sum(len(rows) for _, _, rows in book.stretches()) > MOST_ROWS:
-            continue
+        if book.length() > MOST_ROWS:
+            break
         _merge(book, given, known)
         made = printed(book, given, taken)
         spared = before - printed_tokens(made)

@@ -73,6 +73,16 @@ class Row:
         return 1 + inner + sum(map(element_tokens, self.pens)) + 3 * bool(self.args)
 
     @property
+    def turning(self) -> bool:
+        """Whether it only moves one row further, as what turns about a point is."""
+        return not self.pens and len(self.inner) == 1 and self.inner[0].placed
+
+    @property
+    def bare(self) -> int:
+        """What its symbol takes."""
+        return 1 + (2 + len(self.args) if self.args else 0)
+
+    @property
     def placed(self) -> bool:
         """Whether it has a place of its own."""
         return self.other is None
@@ -168,6 +178,19 @@ def moved(rows: Sequence[Row], places: Frames) -> tuple[Row, ...]:
     )
 
 
+def with_numbers(rows: Sequence[Row], numbers: Sequence[float]) -> tuple[Row, ...]:
+    """The rows with other numbers, those of all rows one after the other."""
+    values = iter(numbers)
+    return tuple(_with(row, values) for row in rows)
+
+
+def _with(row: Row, values: Iterator[float]) -> Row:
+    x, y, angle, scale = (next(values) for _ in STILL)
+    args = tuple(next(values) for _ in row.args)
+    inner = tuple(_with(each, values) for each in row.inner)
+    return replace(row, frame=(x, y, angle, scale), args=args, inner=inner)
+
+
 # ------------------------------------------------------------------------ printing
 
 
@@ -190,7 +213,10 @@ def _element(row: Row, values: Iterator[ast.Expr], leaving: Set[str]) -> ast.Ele
     args = tuple(ast.Argument(next(values)) for _ in row.args)
     moves = (*_moves(frame), *(ast.Module("mirror") for _ in range(row.hand < 0)), *row.pens)
     if row.inner:
-        return ast.Bracket((*moves, *(_element(each, values, leaving) for each in row.inner)))
+        inner = [_element(each, values, leaving) for each in row.inner]
+        if row.turning and isinstance(inner[0], ast.Bracket):
+            return ast.Bracket((*moves, *inner[0].body))
+        return ast.Bracket((*moves, *inner))
     thing = ast.Module(row.name, args)
     return ast.Bracket((*moves, thing)) if moves or row.name in leaving else thing
 
@@ -225,7 +251,8 @@ def row_tokens(row: Row, words: Iterator[Words]) -> int:
     else:
         start += (3 + (1 if turn is not None else angle)) * turned + (3 + scale) * scaled
     if row.inner:
-        return 2 + start + sum(row_tokens(each, words) for each in row.inner)
+        inner = sum(row_tokens(each, words) for each in row.inner)
+        return 2 + start + inner - 2 * (row.turning and inner > row.inner[0].bare)
     return thing + start + 2 if start else thing
 
 

@@ -8,7 +8,7 @@ expressions, and the arguments of each stretch. Nothing here searches.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import accumulate
 
@@ -16,7 +16,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.compiler import ast
-from ipmlang.inverse.folding.rows import LABELS, Row, Words, element, moved, row_tokens
+from ipmlang.inverse.folding.pivots import about_points
+from ipmlang.inverse.folding.rows import (
+    LABELS,
+    Row,
+    Words,
+    element,
+    moved,
+    row_tokens,
+    with_numbers,
+)
 from ipmlang.inverse.lsystem.frames import Frames, compose, frames, identity, inverse
 from ipmlang.inverse.numbers import linear, shortest
 
@@ -168,6 +177,10 @@ def _fitted(
     table = table.copy()
     for k, column in enumerate((local.x, local.y, local.angle, local.scale)):
         table[:, begins + k] = np.round(column, given.places if k < 2 else PLACES) + 0.0
+    rows = [
+        replace(row, hand=int(hand)) for row, hand in zip(rows, local.handedness[0], strict=True)
+    ]
+    rows, table = about_points(rows, table, begins.tolist(), given.error)
     words = [word for row in rows for word in labels_of(row)]
     errors = np.array([FINE if word in TURNED else given.error for word in words])
     found = _parameters(table, errors, most)
@@ -175,8 +188,7 @@ def _fitted(
         return None
     said, used, signs = found
     calls = table[:, used] * signs + 0.0
-    x, y, angle, scale = (table[0, begins + k] for k in range(4))
-    own = moved(rows, Frames(x, y, angle, scale, local.handedness[0]))
+    own = with_numbers(rows, table[0].tolist())
     return Template(own, tuple(said), tuple(words[c] for c in used), calls, places)
 
 
