@@ -133,9 +133,7 @@ def best_grammar(
         if not (_bends_order(found.book) or asked):
             # Few rules among many loose placements may cost more than they save: tables say less.
             tabled = write_grammar(flat_book, replace(plain, use_tables=True))
-            more = tabled.spared + ROW * tabled.rows
-            tables = Attempt("tables", lambda: tabled, none, tabled.tokens, more)
-            attempts.append(tables)
+            attempts.append(_tables(tabled, len(observed)))
         attempts.sort(key=lambda each: each.tokens + each.more)
         # The paper's pairs, and rows that noise and paint order make long, are what was asked for.
         if not (asked or _weighs_less(found, flat_file)):
@@ -198,7 +196,8 @@ def _beats(attempt: Attempt, regular: Found, symmetrize: bool) -> bool:
 def _written_out(found: Found, elements: int) -> list[Attempt]:
     """The rules as they are printed, and with every digit."""
     book, exact = found.book, replace(found.subject, share=1e-12)
-    counts, tokens = _counts(book, elements), found.written.tokens
+    tokens = found.written.tokens
+    counts = _gridded(_counts(book, elements), found.written, elements)
     return [
         Attempt("rules", lambda: found.written, counts, tokens, found.written.spared),
         Attempt("rules", lambda: write_grammar(book, exact), counts, tokens, found.written.spared),
@@ -217,6 +216,20 @@ def _folded(found: Found, elements: int) -> list[Attempt]:
     explained = counts.explained - written.folded.loose / max(1, elements)
     own = Counts(len(drawn), sum(often > 1 for often in drawn), explained)
     return [Attempt("rules", lambda: written, own, written.tokens, written.spared)]
+
+
+def _tables(written: Written, elements: int) -> Attempt:
+    """Tables alone; what stands on grids is explained by them."""
+    counts = _gridded(Counts(0, 0, 0.0), written, elements)
+    more = written.spared + ROW * written.rows
+    return Attempt("tables", lambda: written, counts, written.tokens, more)
+
+
+def _gridded(counts: Counts, written: Written, elements: int) -> Counts:
+    """With tables on grids as rules, whose cells are elements at least."""
+    grids, cells = written.gridded
+    explained = min(1.0, counts.explained + cells / max(1, elements))
+    return Counts(counts.rules + grids, counts.twice, explained)
 
 
 def _recursive(subject: Subject) -> list[Attempt]:

@@ -24,6 +24,7 @@ from ipmlang.formats.svg.parts import write_parts
 from ipmlang.inverse.build import Builder, Painted
 from ipmlang.inverse.coats import merged_styles
 from ipmlang.inverse.folding import Folded, fold
+from ipmlang.inverse.gridded_tables import NO_GRIDS, with_grids
 from ipmlang.inverse.joined_tables import join_tables
 from ipmlang.inverse.lsystem.patterns import Pattern
 from ipmlang.inverse.lsystem.symbols import Integers
@@ -48,6 +49,7 @@ from ipmlang.inverse.wording import arrangement, plain_row
 _STRING = re.compile(r'"(?:[^"\\\n]|\\[^\n])*"|//[^\n]*')
 _NUMBER = re.compile(r"(?<![\w.])[0-9]+(?:\.[0-9]+)?")
 _SIGN = re.compile(r"(?:[(,]|^)\s*-(?=[0-9])", re.MULTILINE)  # a part of its number
+GRID = 2e-7  # of the diagonal: what a place on a grid may be off
 SHARE = 1e-8  # of the diagonal: what one rounded number may move a point by
 
 
@@ -55,7 +57,7 @@ SHARE = 1e-8  # of the diagonal: what one rounded number may move a point by
 class Written:
     """The tree, what prints the parts file, how many cells that file's tables have, and what these
     weigh, see `weight`; how many tokens tables of many things spare; folded: what rules with
-    parameters changed.
+    parameters changed; gridded: how many tables stand on grids, and how many cells these have.
     """
 
     grammar: ast.Grammar
@@ -64,6 +66,7 @@ class Written:
     table_weight: float
     spared: float = 0.0
     folded: Folded | None = None
+    gridded: tuple[int, int] = (0, 0)
 
     @property
     def tokens(self) -> int:
@@ -79,9 +82,9 @@ class Written:
 
     @property
     def rows(self) -> int:
-        """Rows of the tables of one thing in the text."""
+        """Rows of the tables in the text that say where one thing stands."""
         tables = (each for each in self.grammar.items if isinstance(each, ast.Table))
-        return sum(len(each.rows) for each in tables if SHAPE not in each.columns)
+        return sum(len(each.rows) for each in tables if _places_one(each))
 
     @property
     def weight(self) -> float:
@@ -100,6 +103,10 @@ class Written:
     def text(self) -> str:
         """The grammar as it is written; laying it out takes time, so it is done once."""
         return format_grammar(self.grammar)
+
+
+def _places_one(table: ast.Table) -> bool:
+    return SHAPE not in table.columns and not {"x", "y"}.isdisjoint(table.columns)
 
 
 def digits_weight(number: str) -> float:
@@ -139,7 +146,8 @@ def write_grammar(book: Book, subject: Subject) -> Written:
     builder = Builder(book, reach, named, effects, names, axiom, painted, subject.use_tables)
     rules, placed = join_tables(builder.rules(), builder.tables)
     order = _rest_table(book, names, subject.share * subject.observed.diagonal)
-    folded, spared = None, 0.0
+    folded, grids = None, NO_GRIDS
+    spared: dict[str, float] = {}
     if subject.folded:
         taken = {*(named[k] for k in named if k < len(terminals))}
         taken |= {each.name for each in (*placed, *order)}
@@ -149,7 +157,9 @@ def write_grammar(book: Book, subject: Subject) -> Written:
     if subject.use_tables:
         things = frozenset(named.values()) | {rule.head.name for rule in rules}
         rules, listed, spared = with_schedules(rules, things, names)
-        placed = [*placed, *listed]
+        off = GRID * subject.observed.diagonal
+        grids = with_grids(rules, [*placed, *listed], off)
+        rules, placed = grids.rules, grids.tables
     tables, stored, cells = stored_tables([*placed, *order], subject)
     items: list[ast.Item] = [ast.Version(1), *canvas(subject.observed)]
     assets = [number for number in named if number < len(terminals)]
@@ -170,7 +180,9 @@ def write_grammar(book: Book, subject: Subject) -> Written:
         shown = {named[k]: [asset_element(terminals[k], book.assets.get(k))] for k in assets}
         return write_parts(shown, effects=shown_effects, tables=stored)
 
-    return Written(ast.Grammar(tuple(items)), parts, *cells, spared, folded)
+    left = sum(tokens for name, tokens in spared.items() if name not in grids.names)
+    gridded = len(grids.names), grids.cells
+    return Written(ast.Grammar(tuple(items)), parts, *cells, left, folded, gridded)
 
 
 def _rest_table(book: Book, names: Names, error: float) -> list[ast.Table]:

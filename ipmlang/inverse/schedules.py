@@ -78,13 +78,13 @@ class _Listing:
 
     names: Names
     tables: list[ast.Table] = field(default_factory=list)
-    spared: float = 0.0
+    spared: dict[str, float] = field(default_factory=dict)
 
 
 def with_schedules(
     rules: Sequence[ast.Rule], things: Set[str], names: Names
-) -> tuple[list[ast.Rule], list[ast.Table], float]:
-    """The rules, with tables of what stands in them, and about how many tokens these spare; things:
+) -> tuple[list[ast.Rule], list[ast.Table], dict[str, float]]:
+    """The rules, with tables of what stands in them, and about how many tokens each spares; things:
     names of symbols, and no others.
     """
     listing = _Listing(names)
@@ -169,7 +169,7 @@ def _written(run: Sequence[tuple[_Copy, ast.Element]], listing: _Listing) -> Ite
             continue
         table, loop = _table(copies[start:end], extra[0], listing.names)
         listing.tables.append(table)
-        listing.spared += alone - rows - HEAD
+        listing.spared[table.name] = alone - rows - HEAD
         yield loop
 
 

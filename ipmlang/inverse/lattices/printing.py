@@ -60,10 +60,10 @@ def printed(
     formula = rule.formula
     columns, cells = _cells(rule, errors)
     nested = bool(formula.across) and not columns and not rule.holes
-    i, j = _indices(formula, nested)
+    i, j = indices(formula, nested)
     inside = _inside(rule, columns)
     body = (
-        *_predicted(formula, i, j, handles),
+        *predicted(formula, i, j, handles),
         *_constant(formula.inside, errors),
         *inside,
         *copy,
@@ -92,12 +92,14 @@ def _count(value: int) -> ast.Expr:
     return ast.Number(float(value))
 
 
-def _indices(formula: Formula, nested: bool) -> tuple[ast.Expr, ast.Expr]:
-    """Expressions of i and j."""
+def indices(
+    formula: Formula, nested: bool, node: ast.Expr | None = None
+) -> tuple[ast.Expr, ast.Expr]:
+    """Expressions of i and j. node: what the node's number is where it is not k."""
     if not formula.across or nested:
         return ast.Name("i"), ast.Name("j")
     across = _count(formula.across)
-    k = ast.Name("k")
+    k = ast.Name("k") if node is None else node
     quotient = ast.Binary("/", k, across)
     return _function("mod", k, across), _function("floor", quotient)
 
@@ -130,8 +132,8 @@ def _times(value: float, factor: ast.Expr) -> ast.Expr:
     return factor if value == 1 else ast.Binary("*", number(value), factor)
 
 
-def _predicted(
-    formula: Formula, i: ast.Expr, j: ast.Expr, handles: Handles
+def predicted(
+    formula: Formula, i: ast.Expr, j: ast.Expr, handles: Handles = PLAIN
 ) -> tuple[ast.Element, ...]:
     """What leads to a node."""
     angle = [(float(formula.turn[0]), i), (float(formula.turn[1]), j)]
