@@ -10,68 +10,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 from ipmlang.compiler import ir
 from ipmlang.runtime.algebra import Operand, Source
-from ipmlang.runtime.code import INFIX, SOUND, Data, Names, expression, source
+from ipmlang.runtime.code import INFIX, SOUND, Names, expression, source
 from ipmlang.runtime.fields import FRAME, IDENTITY, LAG, UNSET
 from ipmlang.runtime.fields import SCOPE as SCOPE_FIELDS
 from ipmlang.runtime.grouping import FIELD
 from ipmlang.runtime.motion import Motion, State
+from ipmlang.runtime.naming import OWN, Scope, Setting
 from ipmlang.runtime.primitives import UnscannableError
 from ipmlang.runtime.queries import questions
 from ipmlang.runtime.queries.marks import FIELD as MARK
 from ipmlang.runtime.queries.marks import PHASE
 from ipmlang.runtime.scene import SCOPE, SEGMENT
 from ipmlang.runtime.scopes import scope_bodies
-
-OWN = -1  # the site of what is drawn under the shape's own key
-
-
-@dataclass(frozen=True, slots=True)
-class Scope:
-    """The names of one batch: its row count, keys, parameters, the numbers of copies around it, the
-    registers, the rows that draw (None: all; what it names may be None, too), how many pieces there
-    are of each operation around it, and for copies the rows around that they belong to.
-    """
-
-    count: str
-    k0: str
-    k1: str
-    params: tuple[Operand, ...]
-    registers: dict[int, Operand]
-    copies: tuple[tuple[int, str], ...] = ()
-    shown: str | None = None
-    many: Mapping[int, str] = field(default_factory=dict)
-    owners: tuple[str, ...] = ()
-
-    @property
-    def around(self) -> str:
-        """The rows that the copies belong to, from the innermost ones outward, as one argument."""
-        return f"({', '.join(self.owners)},)" if self.owners else "()"
-
-    @property
-    def numbers(self) -> str:
-        """The copies' numbers, as arguments."""
-        return "".join(f", {name}" for _, name in self.copies)
-
-    @property
-    def tuple(self) -> str:
-        """The copies' numbers, as one argument."""
-        return f"({self.numbers[2:]},)" if self.copies else "()"
-
-
-@dataclass(frozen=True, slots=True)
-class Setting:
-    """What all bodies of a run share: the program, its fields, the values of its attributes, and
-    what code reads besides its registers.
-    """
-
-    program: ir.Program
-    fields: tuple[str, ...]
-    attrs: tuple[float, ...]
-    data: Data
 
 
 class Writer:

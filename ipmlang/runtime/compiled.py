@@ -11,16 +11,12 @@ from typing import TypeAlias, cast
 
 from ipmlang.compiler import ir
 from ipmlang.runtime import keys
-from ipmlang.runtime.bodies import (
-    OWN,
-    Scope,
-    Setting,
-    Writer,
-)
+from ipmlang.runtime.bodies import Writer
 from ipmlang.runtime.chains import Chain, Drawing, tail_of, walk_of
 from ipmlang.runtime.choose import OVER, no_truth, out_of_range, over
 from ipmlang.runtime.code import compile_values, source
 from ipmlang.runtime.motion import State
+from ipmlang.runtime.naming import OWN, Scope, Setting
 from ipmlang.runtime.primitives import UnscannableError, function, names_for
 
 Body: TypeAlias = Callable[..., tuple[object, ...]]

@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from ipmlang.compiler import ir
 from ipmlang.runtime import keys
 from ipmlang.runtime.bind import varied
-from ipmlang.runtime.bodies import OWN, Setting
 from ipmlang.runtime.choose import Choice, ShapeError, module, told
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.compiled import Compiled
@@ -29,6 +28,7 @@ from ipmlang.runtime.grouping import Grouping
 from ipmlang.runtime.keys import Words
 from ipmlang.runtime.levels import Levels
 from ipmlang.runtime.limits import Counted, Trail
+from ipmlang.runtime.naming import OWN, Setting
 from ipmlang.runtime.order import Drawn, Made, Order, Record
 from ipmlang.runtime.pending import FINAL, Pending, Shapes
 from ipmlang.runtime.queries.marks import FIELD as MARK

@@ -15,9 +15,9 @@ import numpy as np
 from ipmlang.compiler import ir
 from ipmlang.compiler.ops.queries import FAR, OCCLUSION
 from ipmlang.runtime import keys as path
-from ipmlang.runtime.bodies import OWN
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.limits import Counted
+from ipmlang.runtime.naming import OWN
 from ipmlang.runtime.queries.marks import ASKING, FIELD, FIRST, NAMED, SEEN, Kind, Marks, asked
 from ipmlang.runtime.scene import OUTLINE, SEGMENT
 from ipmlang.runtime.scopes.pool import Load

@@ -16,8 +16,9 @@ from ipmlang.runtime.primitives import UnscannableError
 from ipmlang.runtime.queries.marks import ASKING, FIELD, LABELLED, REPORTING, SEEN, first_query
 
 if TYPE_CHECKING:
-    from ipmlang.runtime.bodies import Scope, Writer
+    from ipmlang.runtime.bodies import Writer
     from ipmlang.runtime.motion import State
+    from ipmlang.runtime.naming import Scope
 
 
 def answered(

@@ -20,12 +20,12 @@ from ipmlang.compiler.diagnostics import IpmError
 from ipmlang.compiler.ops import FUNCTIONS
 from ipmlang.runtime.ancestry import ModuleError
 from ipmlang.runtime.assemble import TEXT_FIELDS, Rows
-from ipmlang.runtime.bodies import OWN
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.draw import Polygons, drawn_along
 from ipmlang.runtime.fields import first_rotation
 from ipmlang.runtime.grow import grown_from, interpreted
 from ipmlang.runtime.interpret import Stream, stream
+from ipmlang.runtime.naming import OWN
 from ipmlang.runtime.order import Copies as Drawings
 from ipmlang.runtime.order import Drawn, Record
 from ipmlang.runtime.pending import Shapes, taken

@@ -21,8 +21,9 @@ from ipmlang.runtime.scopes.joins import FIELD as JOIN
 from ipmlang.runtime.scopes.laying import FIELD as UV
 
 if TYPE_CHECKING:
-    from ipmlang.runtime.bodies import Scope, Writer
+    from ipmlang.runtime.bodies import Writer
     from ipmlang.runtime.motion import State
+    from ipmlang.runtime.naming import Scope
 
 SHAPING = frozenset({"resize", "solid", "center", "report", "lay", "snap"})
 MOVED = ("x", "y", "z")
