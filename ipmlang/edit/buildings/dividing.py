@@ -105,8 +105,10 @@ def cut(
         low, high = forms.box(unit)
         whole = float(high[axis] - low[axis])
         ordered = sorted(places)
-        if not ordered or not 0 < ordered[0] <= ordered[-1] < whole:
-            message = f"a plane at {AXES[axis]} {ordered[0] if ordered else 0:g} misses `{select}`"
+        if not ordered:
+            raise fail("bad-command", f"no plane is given to cut `{select}` by", hint="--x 2.5")
+        if not 0 < ordered[0] <= ordered[-1] < whole:
+            message = f"a plane at {AXES[axis]} {ordered[0]:g} misses `{select}`"
             hint = f"it is {whole:g} long along its {AXES[axis]}"
             raise fail("bad-command", message, hint=hint)
         at[unit] = _pieces(forms, unit, axis, [0.0, *ordered, whole])
@@ -176,11 +178,16 @@ def scale(draft: Draft, terminal: str, factors: Floats) -> Draft:
     if not (np.isfinite(factors).all() and (factors > 0).all()):
         raise fail("bad-command", "a terminal is scaled by factors above 0")
     tree = grown(draft)
-    labels = set(tree.terminals.labels)
-    if terminal not in labels:
-        raise unknown(f"this building has no terminal `{terminal}`", terminal, labels)
+    labels = tree.terminals.labels
+    rows = tree.terminals_of(terminal)
+    if not rows:
+        raise unknown(f"this building has no terminal `{terminal}`", terminal, set(labels))
+    if len({labels[row] for row in rows}) > 1:
+        several = ", ".join(f"`{name}`" for name in sorted({labels[row] for row in rows}))
+        raise fail("bad-command", f"`{terminal}` is drawn by several terminals: {several}")
+    terminal = labels[rows[0]]
     forms = Forms(tree)
-    unit: Unit = ("terminal", tree.terminals.labels.index(terminal))
+    unit: Unit = ("terminal", rows[0])
     name = free_name(draft.grammar, f"{terminal}_scaled")
     grammar = with_modules(
         draft.grammar,

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ipmlang.compiler.diagnostics import fail
 from ipmlang.edit.buildings.forms import Forms, Unit
 from ipmlang.edit.buildings.rewriting import Placed
 from ipmlang.edit.buildings.sizing import STAYS, Sizing, own_ratios, ratios
@@ -19,6 +20,7 @@ from ipmlang.edit.buildings.units import Units
 from ipmlang.inverse.frames import Floats, Frames, compose, from_matrices, inverse, linear
 
 LARGE, LITTLE = 1.8, 0.4  # times its size: beyond, a part is split, or joined (section 4.1)
+MOST = 1000  # copies of a part along an axis
 EVEN = 0.1  # of how near touches, by which sizes may differ and are the same
 SAME = 1e-9
 
@@ -99,6 +101,10 @@ class Rebuilt:
         shift = (moved - corner) @ axes
         grown = grown * np.minimum(1.0, forms.stretched(unit))
         many = [1 if forms.fills(unit) else _copies(float(each)) for each in grown]
+        if max(many) > MOST:
+            often = f"{max(many):,}" if max(many) < 10**6 else "over a million"
+            what = f"`{forms.name(unit)}` would stand there {often} times"
+            raise fail("bad-command", what, hint="choose a smaller size")
         if max(many) == 1:
             return Placed(frame, self.sizing.said(unit, owner, size, base), shift)
         repeated = tuple(axis for axis in range(3) if many[axis] > 1)

@@ -27,6 +27,7 @@ from ipmlang.edit.buildings.units import Units, divided, selected, tolerance, wh
 from ipmlang.edit.draft import Draft
 from ipmlang.inverse.frames import Floats, linear
 
+SMALLEST = 10  # times how near touches, that something is at least
 SAME = 1e-9
 
 
@@ -96,6 +97,10 @@ def resize(
     aim = wanted.of(size)
     if np.allclose(aim, size, rtol=1e-12):
         return draft
+    for axis in wanted.along:
+        if aim[axis] < SMALLEST * tolerance(tree):
+            message = f"`{select}` would be {aim[axis]:g} along its {'xyz'[axis]}: nothing is left"
+            raise fail("bad-command", message, hint=f"it is {size[axis]:g} now")
     if parameters:
         others = [] if number is None else [each for each in every if each not in picked]
         keys = [[_key(forms, unit) for unit in units] for units in (picked, others)]
@@ -164,7 +169,7 @@ def _attempted(
     count = len(made.units)
     at = Rebuilt(forms, made, low[:count], high[:count], near).placed()
     result = rewritten(forms, at, what="resized")
-    after = grown(result)
+    after = grown(result, like=tree)
     for axis in along:
         size = float(np.ptp(np.concatenate([made.low, made.high])[:, axis]))
         _check_followed(tree, after, picked, axes, axis, (factor[axis] - 1) * size)

@@ -60,6 +60,19 @@ class Tree:
         number = int(self.scene.instances.asset[row])
         return number >= 0 and self.scene.assets[number].name == self.terminals.labels[row]
 
+    @cached_property
+    def drawn_assets(self) -> list[str]:
+        """(m,) the names of the assets that terminals draw; "" for those that draw none."""
+        numbers = self.scene.instances.asset.tolist()
+        return [self.scene.assets[each].name if each >= 0 else "" for each in numbers]
+
+    def terminals_of(self, name: str) -> list[int]:
+        """The terminals of a label, or if there are none, those that draw an asset: an edit that
+        fits one into a scope gives it another label.
+        """
+        found = [row for row, label in enumerate(self.terminals.labels) if label == name]
+        return found or [row for row, own in enumerate(self.drawn_assets) if name and own == name]
+
     @property
     def parent(self) -> Integers:
         return self.lineage.parent.astype(np.int64)

@@ -30,8 +30,8 @@ def tolerance(tree: Tree) -> float:
 
 
 def selected(tree: Tree, name: str, number: int | None = None) -> list[Unit]:
-    """The shapes of a symbol, or the terminals of a label, that draw anything; only the n-th, from
-    1. Raises IpmError where there is none.
+    """The shapes of a symbol, or the terminals of a label, or of an asset whatever their label is,
+    that draw anything; only the n-th, from 1. Raises IpmError where there is none.
     """
     count = len(tree.owner)
     shapes: list[Unit] = [
@@ -39,12 +39,10 @@ def selected(tree: Tree, name: str, number: int | None = None) -> list[Unit]:
         for row, own in enumerate(tree.names)
         if own == name and tree.first[row] < count
     ]
-    found = shapes or [
-        ("terminal", row) for row, own in enumerate(tree.terminals.labels) if own == name
-    ]
+    found = shapes or [("terminal", row) for row in tree.terminals_of(name)]
     found.sort(key=lambda each: int(tree.first[each[1]]) if each[0] == "shape" else each[1])
     if not found:
-        known = set(tree.names) | set(tree.terminals.labels)
+        known = set(tree.names) | set(tree.terminals.labels) | set(tree.drawn_assets)
         if name in known:
             raise unknown(f"`{name}` draws nothing here, so it has no size", name, set())
         raise unknown(f"nothing called `{name}` is derived here", name, known - {"start"})
