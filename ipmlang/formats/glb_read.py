@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.formats import FormatError
+from ipmlang.formats.coloring import screen, with_vertex_colors
 from ipmlang.formats.drawing import Note
 from ipmlang.formats.glb_data import Container, Json, Object, open_glb, read_accessor, view_bytes
 from ipmlang.formats.glb_shades import Shades
@@ -209,7 +210,25 @@ class _Reader:
             None if uv is None else _upward(uv)[made.corners],
             None if normals is None else normals[made.corners],
         )
+        made = self._painted(made, primitive)
         made, notes = without_bad_faces(made)
+        for note in notes:
+            self._note(note.code, note.message, note.count)
+        return made
+
+    def _painted(self, mesh: Mesh, primitive: Object) -> Mesh:
+        """The mesh with the colours of its vertices, where it has no material."""
+        attributes = primitive.get("attributes")
+        extensions = primitive.get("extensions")
+        packed = isinstance(extensions, dict) and _DRACO in extensions
+        if mesh.materials or packed or not isinstance(attributes, dict):
+            return mesh
+        if "COLOR_0" not in attributes:
+            return mesh
+        colors = read_accessor(self.file, attributes["COLOR_0"])
+        if colors.shape[1] not in (3, 4):
+            raise FormatError("colours of vertices have three or four numbers each")
+        made, notes = with_vertex_colors(mesh, np.hstack([screen(colors[:, :3]), colors[:, 3:]]))
         for note in notes:
             self._note(note.code, note.message, note.count)
         return made

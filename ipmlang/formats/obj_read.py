@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.formats import FormatError
+from ipmlang.formats.coloring import with_vertex_colors
 from ipmlang.formats.drawing import Note
 from ipmlang.formats.mesh_types import Mesh, MeshScene, face_normals, single, without_bad_faces
 from ipmlang.formats.mtl import Library, Shade, read_library
@@ -25,6 +26,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 _Number = TypeVar("_Number", np.float64, np.int64)
+_PAINTED = 6  # numbers of a point with a colour
 _NAMES = ("o", "g", "usemtl", "mtllib")
 
 
@@ -63,8 +65,22 @@ def read_obj(path: Path) -> MeshScene:
         _uv(textures, corners[:, 1], np.repeat(material, counts), shades),
     )
     mesh = replace(mesh, normals=_normals(mesh, normals, corners[:, 2]))
+    mesh, painted = _painted(mesh, lines)
     mesh, notes = without_bad_faces(mesh)
-    return single(mesh, path.stem, (*library.notes, *notes, *_remarks(mesh)))
+    return single(mesh, path.stem, (*library.notes, *painted, *notes, *_remarks(mesh)))
+
+
+def _painted(mesh: Mesh, lines: _Lines) -> tuple[Mesh, tuple[Note, ...]]:
+    """The mesh with the colours that points have behind their places: `v x y z r g b`."""
+    texts = lines.points[1]
+    if not texts or len(texts[0].split()) != _PAINTED or len(texts[-1].split()) != _PAINTED:
+        return mesh, ()
+    try:
+        colors = _numbers(*lines.points, _PAINTED)[:, 3:]
+    except FormatError:
+        return mesh, ()
+    colors = colors / 255.0 if colors.max(initial=0.0) > 1.0 else colors
+    return with_vertex_colors(mesh, colors)
 
 
 def obj_names(path: Path) -> list[str]:

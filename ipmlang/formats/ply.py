@@ -2,13 +2,13 @@
 
 Takes a path or faces; gives a mesh with whatever polygons the file has (a point cloud has none), or
 the bytes of a file. Counts in the header are checked against the length of the file before memory
-is taken. Properties other than position, normal and texture are passed over.
+is taken. Colours of vertices or faces become materials; other properties are passed over.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,6 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.formats import FormatError
+from ipmlang.formats.coloring import with_face_colors, with_vertex_colors
+from ipmlang.formats.drawing import Note
 from ipmlang.formats.mesh_types import Mesh, MeshScene, single, without_bad_faces
 
 _TYPES = {
@@ -36,6 +38,7 @@ _TYPES = {
     "double": "f8",
     "float64": "f8",
 }
+_MOST = {"u1": 255.0, "u2": 65535.0}  # of a colour in whole numbers; others are shares
 _ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 _LONGEST_HEADER = 65_536
 _COUNT = re.compile(r"[0-9]{1,15}")
@@ -81,7 +84,7 @@ def read_ply(path: Path) -> MeshScene:
             found[element.name], position = _binary(data, position, element, order)
         else:
             found[element.name], position = _ascii(tokens, position, element)
-    return _mesh(found, path.stem)
+    return _mesh(found, elements, path.stem)
 
 
 def write_ply(
@@ -181,6 +184,9 @@ def _binary_lists(
         listed = [k for k, each in enumerate(element.properties) if each.count]
         if all((rows[f"n{k}"] == sizes[k]).all() for k in listed):
             columns = _Columns({}, {})
+            for k, each in enumerate(element.properties):
+                if not each.count:
+                    columns.numbers[each.name] = rows[str(k)].astype(float)
             for k in listed:
                 lengths = np.full(element.count, sizes[k], np.int64)
                 values = rows[str(k)].reshape(-1)
@@ -233,9 +239,11 @@ def _uneven_lists(
             position += size * kind.itemsize
     columns = _Columns({}, {})
     for each in element.properties:
+        flat = np.concatenate([np.zeros(0), *values[each.name]])
         if each.count:
-            flat = np.concatenate([np.zeros(0), *values[each.name]])
             columns.lists[each.name] = (_whole(flat), np.array(lengths[each.name], np.int64))
+        else:
+            columns.numbers[each.name] = flat
     return columns, position
 
 
@@ -262,9 +270,13 @@ def _ascii(tokens: Sequence[bytes], position: int, element: _Element) -> tuple[_
 def _ascii_lists(tokens: Sequence[bytes], position: int, element: _Element) -> tuple[_Columns, int]:
     values: dict[str, list[int]] = {p.name: [] for p in element.properties if p.count}
     lengths: dict[str, list[int]] = {name: [] for name in values}
+    numbers: dict[str, list[float]] = {p.name: [] for p in element.properties if not p.count}
     for _ in range(element.count):
         for each in element.properties:
             if not each.count:
+                if position >= len(tokens):
+                    raise _short(element)
+                numbers[each.name].append(float(tokens[position]))
                 position += 1
                 continue
             if position >= len(tokens):
@@ -280,10 +292,32 @@ def _ascii_lists(tokens: Sequence[bytes], position: int, element: _Element) -> t
         name: (np.array(values[name], np.int64), np.array(lengths[name], np.int64))
         for name in values
     }
-    return _Columns({}, lists), position
+    return _Columns({name: np.array(own) for name, own in numbers.items()}, lists), position
 
 
-def _mesh(found: dict[str, _Columns], name: str) -> MeshScene:
+def _colors(columns: _Columns, kinds: Mapping[str, str]) -> NDArray[np.float64] | None:
+    """(n, 3) or (n, 4) the colours of an element, 0 to 1; None if it has none."""
+    for start in ("", "diffuse_"):
+        names = [f"{start}{name}" for name in ("red", "green", "blue", "alpha")]
+        names = names if names[3] in columns.numbers else names[:3]
+        if all(name in columns.numbers for name in names):
+            most = [_MOST.get(kinds.get(name, ""), 1.0) for name in names]
+            return np.stack([columns.numbers[name] for name in names], axis=1) / most
+    return None
+
+
+def _kinds(elements: Sequence[_Element], name: str) -> dict[str, str]:
+    """The types of an element's single numbers."""
+    return {
+        each.name: each.kind
+        for element in elements
+        if element.name == name
+        for each in element.properties
+        if not each.count
+    }
+
+
+def _mesh(found: dict[str, _Columns], elements: Sequence[_Element], name: str) -> MeshScene:
     vertex = found.get("vertex")
     if vertex is None or not all(axis in vertex.numbers for axis in "xyz"):
         raise FormatError("the PLY file has no vertices with x, y and z")
@@ -297,5 +331,11 @@ def _mesh(found: dict[str, _Columns], name: str) -> MeshScene:
     offsets = np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)
     none, group = np.full(count, -1, np.int64), np.zeros(count, np.int64)
     mesh = Mesh(vertices, corners, offsets, none, group, groups=((name,),))
+    painted: tuple[Note, ...] = ()
+    face_colors = _colors(found["face"], _kinds(elements, "face")) if count else None
+    if face_colors is not None:
+        mesh, painted = with_face_colors(mesh, face_colors)
+    elif (colors := _colors(vertex, _kinds(elements, "vertex"))) is not None:
+        mesh, painted = with_vertex_colors(mesh, colors)
     mesh, notes = without_bad_faces(mesh)
-    return single(mesh, name, notes)
+    return single(mesh, name, (*painted, *notes))

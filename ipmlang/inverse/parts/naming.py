@@ -12,6 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ipmlang.formats.coloring import is_color_name
 from ipmlang.formats.mesh_types import Mesh
 from ipmlang.inverse.frames import Floats, Integers
 
@@ -71,8 +72,10 @@ def _hint(rows: Integers, paths: Sequence[tuple[str, ...]]) -> str:
 
 
 def _by_material(mesh: Mesh) -> str:
-    """The material's name where the part has one alone."""
-    return word(mesh.materials[0].name) if len(mesh.materials) == 1 else ""
+    """The material's name where the part has one alone, and it is more than a colour's number."""
+    if len(mesh.materials) != 1 or is_color_name(mesh.materials[0].name):
+        return ""
+    return word(mesh.materials[0].name)
 
 
 def shape_word(mesh: Mesh) -> str:
