@@ -125,7 +125,7 @@ def _least_largest(unit: Complexes, given: Complexes) -> tuple[complex, float, f
     left = np.block([[rows, slack], [-rows, slack]])
     free: list[tuple[float | None, float | None]] = [(None, None)] * 3 + [(0, None)]
     found = linprog([0, 0, 0, 1], left, np.concatenate([target, -target]), bounds=free)
-    if found.status != 0:
+    if found.status != 0 or found.x is None:
         return None
     x, y, step, largest = found.x.tolist()
     return complex(x, y) + base, step, largest
