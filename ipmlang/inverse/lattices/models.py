@@ -109,8 +109,10 @@ def spacing(model: Model, index: Integers) -> Floats:
         case "ring":
             return np.full(len(index), abs(2 * known[4] * np.sin(known[TURN] / 2)))
     before, here, after = at(model, index + np.array([[-1], [0], [1]]))
-    local = np.minimum(np.abs(after - here), np.abs(here - before))
-    return np.maximum(local, np.quantile(local, LARGE)) if model.kind == "log" else local
+    local = np.asarray(np.minimum(np.abs(after - here), np.abs(here - before)), np.float64)
+    if model.kind == "log":
+        return np.asarray(np.maximum(local, np.quantile(local, LARGE)), np.float64)
+    return local
 
 
 def fit(model: Model, index: Integers, places: Complexes) -> Model:
