@@ -29,11 +29,14 @@ def about_points(
     """The rows and their numbers (k, h), with four numbers more for each row that turns about a
     point: where it stands beside that. begins: the column of each row's first number.
     """
+    turns = table[:, np.asarray(begins, np.int64) + 2]
+    if len(table) < SURE or np.ptp(turns, axis=0).max(initial=0.0) < TURN:
+        return tuple(rows), table
     made: list[Row] = []
     columns: list[Floats] = []
     for row, begin in zip(rows, begins, strict=True):
         own = table[:, begin : begin + len(row.numbers)]
-        found = _middle(own, error) if row.placed and len(table) >= SURE else None
+        found = _middle(own, error) if row.placed else None
         if found is None:
             made.append(row)
             columns.append(own)

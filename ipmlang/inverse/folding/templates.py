@@ -210,6 +210,8 @@ def _parameters(
     said = [Said(float(value)) for value in table[0]]
     waiting = np.flatnonzero(np.ptp(table, axis=0) > errors)
     close = _collinear(table[:, waiting], errors[waiting])
+    if _directions(close) > most:
+        return None
     used: list[int] = []
     signs: list[float] = []
     left = np.ones(len(waiting), np.bool_)
@@ -217,7 +219,8 @@ def _parameters(
         if len(used) >= most:
             return None
         near = waiting[close[int(np.argmax(left))] & left]
-        groups = [_followers(table, errors, column, near) for column in near[:LEADERS].tolist()]
+        leaders = near[: LEADERS if len(near) > 1 else 1].tolist()
+        groups = [_followers(table, errors, column, near) for column in leaders]
         group = min(groups, key=lambda each: _cost(table, each))
         column = next(iter(group))
         sign = -1.0 if (table[:, column] < 0).sum() * 2 > len(table) else 1.0
@@ -229,8 +232,20 @@ def _parameters(
     return said, used, np.array(signs)
 
 
+def _directions(close: NDArray[np.bool_]) -> int:
+    """How many parameters there are at least: columns of which none follows another one."""
+    left, count = np.ones(len(close), np.bool_), 0
+    while left.any():
+        left &= ~close[int(np.argmax(left))]
+        count += 1
+    return count
+
+
 def _collinear(table: Floats, errors: Floats) -> NDArray[np.bool_]:
     """(w, w) which columns could be first + slope * another one."""
+    if len(table) < SURE:
+        apart = np.abs(table[-1] - table[0])
+        return np.asarray(np.abs(apart[:, None] - apart) <= errors, np.bool_)
     spread = table - table.mean(axis=0)
     products = spread.T @ spread
     sizes = np.diag(products)
@@ -254,6 +269,8 @@ def _followers(
     parameter. Slopes are plain numbers; two stretches tell none but 1 and -1.
     """
     made = {int(column): (0.0, 1.0)}
+    if len(others) == 1:
+        return made
     values, near = table[:, column], table[:, others]
     spread = values - values.mean()
     slopes = spread @ near / (spread @ spread)
