@@ -109,12 +109,14 @@ def _sorted_lines(text: str) -> _Lines:
     named: list[tuple[int, str, str]] = []
     for number, line in enumerate(lines):
         word, _, rest = line.partition(" ")
-        if word not in kept:
+        own = kept.get(word)
+        if own is None:
             # Rare lines may be indented or part their words by tabs.
             word, _, rest = line.strip().replace("\t", " ").partition(" ")
-        if word in kept:
-            kept[word][0].append(number)
-            kept[word][1].append(rest)
+            own = kept.get(word)
+        if own is not None:
+            own[0].append(number)
+            own[1].append(rest)
         elif word in _NAMES:
             named.append((number, word, rest.strip()))
     columns = {word: (np.array(at, np.int64), texts) for word, (at, texts) in kept.items()}

@@ -47,6 +47,7 @@ def _terms() -> Floats:
 
 _PRODUCTS, _TERMS = _products(), _terms()
 _STILL = np.eye(3).ravel()
+_BLOCK = 1024  # rows of a product of matrices for which no more processors are woken up
 _BENT = np.where(np.eye(3) > 0, 1e-5, 1e-12)  # how far a square may be off that of a turn
 _BACK = np.array([1.0, -1.0, -1.0, -1.0])
 _OTHER = np.array([[0, 1, 2, 3], [1, 0, 3, 2], [2, 3, 0, 1], [3, 2, 1, 0]])
@@ -124,7 +125,9 @@ def linear(frames: Frames) -> Floats:
 def turns(rotation: Floats) -> Floats:
     """(n, 3, 3) matrices of unit quaternions (n, 4)."""
     products = (rotation[:, :, None] * rotation[:, None]).reshape(-1, 16)
-    return np.asarray((products @ _PRODUCTS + _STILL).reshape(-1, 3, 3))
+    blocks = [products[k : k + _BLOCK] @ _PRODUCTS for k in range(0, len(products), _BLOCK)]
+    entries = blocks[0] if len(blocks) == 1 else np.concatenate([np.zeros((0, 9)), *blocks])
+    return np.asarray((entries + _STILL).reshape(-1, 3, 3))
 
 
 def matrices(frames: Frames) -> Floats:

@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 
 from ipmlang.formats.drawing import Note
-from ipmlang.formats.mesh_types import Mesh, MeshScene
+from ipmlang.formats.mesh_types import Mesh, MeshScene, mapped
 from ipmlang.inverse.frames import Floats
 
 _STATED = (".glb", ".gltf", ".dae")  # their readers turn what they read to z-up
@@ -130,4 +130,4 @@ def _ground(box: Floats) -> str:
 
 def _points(mesh: Mesh, matrix: Floats) -> Floats:
     """The corners of all faces in the world."""
-    return np.asarray(mesh.vertices[mesh.corners] @ matrix[:, :3].T + matrix[:, 3])
+    return mapped(mesh.vertices, matrix)[mesh.corners]

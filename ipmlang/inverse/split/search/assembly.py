@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ipmlang.formats.distinct import distinct_rows
 from ipmlang.inverse.frames import Floats, Frames, Integers, compose, moved_to, spread
 from ipmlang.inverse.parts.observation import Parts
 from ipmlang.inverse.split.changing import needed
@@ -120,7 +121,7 @@ def _cloud(symbol: Integers, frames: Frames, outside: dict[int, Floats]) -> Floa
 
 def _outside(points: Floats) -> Floats:
     """Points on the outside of all; enough of them for any box around them."""
-    points = np.unique(points, axis=0)
+    points = points[distinct_rows(points)[0]]
     if len(points) <= CROWD:
         return points
     from scipy.spatial import ConvexHull, QhullError
