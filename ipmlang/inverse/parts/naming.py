@@ -1,7 +1,8 @@
-"""Words for shape classes: from names in the file where these say something, else from the shape.
+"""Words for shape classes: from names in the file where these say something, else from the shape
+and, for what stands once, from its place.
 
-Takes classes with their meshes and the paths of their members; gives names that are free to be
-symbols, each used once. Nothing here knows what a grammar's other names are.
+Takes classes with their meshes and the paths and boxes of their members; gives names that are free
+to be symbols, each used once. Nothing here knows what a grammar's other names are.
 """
 
 from __future__ import annotations
@@ -15,7 +16,9 @@ import numpy as np
 from ipmlang.formats.coloring import is_color_name
 from ipmlang.formats.mesh_types import Mesh
 from ipmlang.inverse.frames import Floats, Integers
+from ipmlang.inverse.parts.describing import place_word, shape_word
 
+CROWDED = 4  # parts of which it helps to say where each stands
 _PLAIN = frozenset(
     ["default", "mesh", "object", "node", "group", "geometry", "scene", "root", "model", "part",
      "material", "none", "unnamed", "untitled", "generic", "surface", "polygon", "polygons",
@@ -28,8 +31,10 @@ def class_names(
     meshes: Sequence[Mesh],
     paths: Sequence[tuple[str, ...]],
     stem: str,
+    low: Floats,
+    high: Floats,
 ) -> list[str]:
-    """A name for each class."""
+    """A name for each class; low, high: (n, 3) boxes of all parts."""
     own = word(stem)
     # One path for all parts tells nothing of any.
     several = len(set(paths)) > 1
@@ -38,10 +43,21 @@ def class_names(
     by_material = _telling([_by_material(mesh) for mesh in meshes], own)
     return numbered(
         [
-            group or material or shape_word(mesh)
-            for group, material, mesh in zip(by_group, by_material, meshes, strict=True)
+            group or material or _described(mesh, rows, low, high)
+            for group, material, mesh, rows in zip(
+                by_group, by_material, meshes, members, strict=True
+            )
         ]
     )
+
+
+def _described(mesh: Mesh, rows: Integers, low: Floats, high: Floats) -> str:
+    """What a shape is called by its box and faces, with its place where it stands once."""
+    shape = shape_word(mesh)
+    if len(rows) > 1 or len(low) < CROWDED:
+        return shape
+    whole = np.stack([low.min(axis=0), high.max(axis=0)])
+    return place_word(low[rows[0]], high[rows[0]], whole, shape)
 
 
 def _telling(words: Sequence[str], own: str) -> list[str]:
@@ -76,27 +92,6 @@ def _by_material(mesh: Mesh) -> str:
     if len(mesh.materials) != 1 or is_color_name(mesh.materials[0].name):
         return ""
     return word(mesh.materials[0].name)
-
-
-def shape_word(mesh: Mesh) -> str:
-    """What a shape is called by its box and faces."""
-    size = np.ptp(mesh.vertices, axis=0)
-    small, middle, large = np.sort(size)
-    if large <= 0:
-        return "Point"
-    if small <= 1e-6 * large:
-        return "Panel" if middle > 0.1 * large else "Strip"
-    if middle <= 0.25 * large:
-        return "Post" if size[2] == large else "Bar"
-    if small <= 0.2 * middle:
-        return "Slab" if size[2] == small else "Plate"
-    return "Box" if _fills_box(mesh, size) else "Part"
-
-
-def _fills_box(mesh: Mesh, size: Floats) -> bool:
-    """Whether all vertices are corners of the box."""
-    share = mesh.vertices / size
-    return len(share) == 8 and bool((np.abs(share - np.rint(share)) < 1e-6).all())
 
 
 def numbered(wanted: Sequence[str]) -> list[str]:

@@ -187,7 +187,7 @@ def _told(soup: Soup, pieces: Pieces, found: Classes, diagonal: float, stem: str
         misfit[each.rows] = each.misfit
     paths = _paths(soup, pieces)
     meshes = [_own_mesh(soup.mesh, pieces, each, low) for each in found.classes]
-    names = class_names([each.rows for each in found.classes], meshes, paths, stem)
+    names = class_names([each.rows for each in found.classes], meshes, paths, stem, low, high)
     classes = tuple(
         PartClass(
             name,

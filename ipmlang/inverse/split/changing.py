@@ -98,6 +98,21 @@ def needed(symbols: Sequence[Symbol], axiom: int) -> tuple[tuple[Symbol, ...], d
     return tuple(kept), numbers
 
 
+def top_down(scheme: Scheme) -> list[int]:
+    """The rules as people write them: each where it is first named, the axiom first."""
+    found: dict[int, None] = {}
+    waiting = [scheme.axiom]
+    while waiting:
+        number = waiting.pop()
+        symbol = scheme.symbols[number]
+        if number in found or isinstance(symbol, Terminal):
+            continue
+        found[number] = None
+        named = [each for item in symbol.items for each, _ in placements(item)]
+        waiting += reversed(list(dict.fromkeys(named)))
+    return list(found)
+
+
 def without_wraps(scheme: Scheme, small: float) -> Scheme:
     """The scheme with terminals in cells as they are, where a rule does nothing but place one at
     its origin, or no further from it than `small`. Such rules stay among the symbols, and nothing

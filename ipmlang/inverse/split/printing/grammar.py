@@ -15,7 +15,7 @@ import numpy as np
 from ipmlang.compiler import ast
 from ipmlang.inverse.frames import Frames
 from ipmlang.inverse.naming import Names
-from ipmlang.inverse.split.expansion import placements
+from ipmlang.inverse.split.changing import top_down
 from ipmlang.inverse.split.measuring import in_cells, needing_size, reaches
 from ipmlang.inverse.split.placing import Precision, spots, steps_to
 from ipmlang.inverse.split.printing.inlining import inlined
@@ -23,7 +23,7 @@ from ipmlang.inverse.split.printing.items import Wording, copies_of, item_elemen
 from ipmlang.inverse.split.printing.lifting import lifted
 from ipmlang.inverse.split.printing.naming import symbol_names
 from ipmlang.inverse.split.printing.schedules import arrangement
-from ipmlang.inverse.split.scheme import Rule, Scheme, Split, Terminal
+from ipmlang.inverse.split.scheme import Rule, Scheme, Split
 from ipmlang.inverse.split.wording import bracket, call
 
 
@@ -130,21 +130,6 @@ def _framed(
     if spot.mirrored or spot.scale is not None:
         return (bracket([*steps, *body]),)
     return (*steps, *body)
-
-
-def top_down(scheme: Scheme) -> list[int]:
-    """The rules as people write them: each where it is first named, the axiom first."""
-    found: dict[int, None] = {}
-    waiting = [scheme.axiom]
-    while waiting:
-        number = waiting.pop()
-        symbol = scheme.symbols[number]
-        if number in found or isinstance(symbol, Terminal):
-            continue
-        found[number] = None
-        named = [each for item in symbol.items for each, _ in placements(item)]
-        waiting += reversed(list(dict.fromkeys(named)))
-    return list(found)
 
 
 def _spaced(rule: ast.Rule, first: bool) -> ast.Rule:

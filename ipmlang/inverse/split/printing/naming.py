@@ -7,6 +7,7 @@ WindowGrid, Pair). Takes a scheme; gives a name for each symbol, none twice. Not
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
@@ -14,6 +15,7 @@ import numpy as np
 from ipmlang.inverse.frames import Floats
 from ipmlang.inverse.naming import LONGEST, Names, capital
 from ipmlang.inverse.parts.naming import numbered
+from ipmlang.inverse.split.changing import top_down
 from ipmlang.inverse.split.expansion import placements
 from ipmlang.inverse.split.scheme import (
     Array,
@@ -60,17 +62,17 @@ def symbol_names(
 
 
 def _order(scheme: Scheme) -> list[int]:
-    """The axiom first, so that it gets its name; then the terminals, whose names are ids."""
+    """The terminals, whose names are ids; then the rules as they are printed, the axiom first."""
     terminals = [k for k, each in enumerate(scheme.symbols) if isinstance(each, Terminal)]
     rules = [k for k, each in enumerate(scheme.symbols) if isinstance(each, Rule)]
-    return [*terminals, *reversed(rules)]
+    return list(dict.fromkeys([*terminals, *top_down(scheme), *rules]))
 
 
 def rule_wish(scheme: Scheme, rule: Rule, named: Sequence[str]) -> str:
     """A name for a rule that brings none, from the names of what it places."""
     drawn = [(symbol, len(frames)) for item in rule.items for symbol, frames in placements(item)]
     stem = capital(named[_main(scheme, rule)]) if drawn else "Empty"
-    kind = _arrangement(rule.items, drawn)
+    kind = _arrangement(rule.items) or _gathering(_shapes(scheme, rule))
     says_nothing = _NAMELESS.fullmatch(stem) is not None or len(stem + kind) > LONGEST
     return kind if says_nothing else stem + kind
 
@@ -91,7 +93,29 @@ def _bulk(scheme: Scheme, symbol: int) -> float:
     return float(sides[1] * sides[2])
 
 
-def _arrangement(items: Sequence[Item], drawn: Sequence[tuple[int, int]]) -> str:
+def _shapes(scheme: Scheme, rule: Rule) -> Counter[int]:
+    """How many of each shape a rule draws in all."""
+    total: Counter[int] = Counter()
+    for item in rule.items:
+        for inner, frames in placements(item):
+            symbol = scheme.symbols[inner]
+            if isinstance(symbol, Terminal):
+                total[inner] += len(frames)
+            else:
+                for shape, count in _shapes(scheme, symbol).items():
+                    total[shape] += count * len(frames)
+    return total
+
+
+def _gathering(shapes: Counter[int]) -> str:
+    """A word for so many of some shapes that stand in no order."""
+    if shapes.total() == 2:
+        return "Pair"
+    return "Set" if len(shapes) == 1 else "Group"
+
+
+def _arrangement(items: Sequence[Item]) -> str:
+    """A word for what all stands in, empty for none."""
     if len(items) == 1:
         match items[0]:
             case Array(directions=directions):
@@ -104,9 +128,9 @@ def _arrangement(items: Sequence[Item], drawn: Sequence[tuple[int, int]]) -> str
                 return ("Bays", "Layers", "Storeys")[axis]
             case Octant():
                 return "Part"
-            case Place(frames=frames):
-                return "Pair" if len(frames) == 2 else "Set"
-    return "Pair" if sum(count for _, count in drawn) == 2 else "Group"
+            case Place():
+                return ""
+    return ""
 
 
 def _array_word(steps: Sequence[Floats]) -> str:
