@@ -165,7 +165,7 @@ class Writer:
                 self.source.lines.append(f"if not isfinite({source(value)}):")
                 self.source.lines.append(f"    run.finite({source(value)}, {name!r})")
             else:
-                where = f"{scope.shown}, {scope.around}"
+                where = f"{scope.count}, {scope.shown}, {scope.around}"
                 self.source.lines.append(f"run.finite({source(value)}, {name!r}, {where})")
 
     def _value(
@@ -419,7 +419,8 @@ class Writer:
             hole = self.taken(scope.registers[register], owner)
             if not self.quiet:
                 around = replace(scope, owners=(owner, *scope.owners)).around
-                self.source.lines.append(f"run.finite({source(hole)}, 'except', None, {around})")
+                where = f"len({owner}), None, {around}"
+                self.source.lines.append(f"run.finite({source(hole)}, 'except', {where})")
             clear = self.source.let(f"({source(hole)} != {index})")
             shown = clear if shown is None else self.source.let(f"{shown} & {clear}")
         rows = None if shown is None else self.source.let(f"flatnonzero({shown})")

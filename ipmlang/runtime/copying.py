@@ -41,18 +41,21 @@ class Copying:
             raise self.counted.error("scale-not-positive", message, row=row, around=around)
 
     def finite(
-        self, value: Column, name: str, shown: Numbers | None = None, around: Around = ()
+        self,
+        value: Column,
+        name: str,
+        count: int = 1,
+        shown: Numbers | None = None,
+        around: Around = (),
     ) -> None:
-        """An argument of an operation must be a finite number, in the rows that are shown."""
+        """An argument of an operation must be a finite number, in so many rows, or those shown."""
         if math.isfinite(np.minimum.reduce(value, axis=None, initial=0.0)) and math.isfinite(
             np.maximum.reduce(value, axis=None, initial=0.0)
         ):
             return
-        wrong = np.flatnonzero(~np.isfinite(np.atleast_1d(value)))
-        if shown is not None and np.ndim(value):
+        wrong = np.flatnonzero(~np.isfinite(np.broadcast_to(value, (count,))))
+        if shown is not None:
             wrong = np.intersect1d(wrong, shown)
-        elif shown is not None and not len(shown):
-            return
         if len(wrong):
             message = f"an argument of {name} is not a finite number"
             row = int(wrong[0])

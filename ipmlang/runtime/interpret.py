@@ -12,6 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ipmlang.compiler import ir
+from ipmlang.compiler.diagnostics import fail
+from ipmlang.runtime.ancestry import ModuleError
+from ipmlang.runtime.choose import told
 from ipmlang.runtime.grow import String
 from ipmlang.runtime.rewrite import CLOSE, OPEN, Modules
 from ipmlang.runtime.scan import Whole
@@ -89,16 +92,32 @@ def _acts(bound: Bound, symbol: ir.Symbol, table: Modules, first: Whole) -> list
     at = first[table.place]
     made = replace(table, params=(), place=at[:0])
     acts: list[Act] = []
+    drawn = any(each.op == "uniform" for each in symbol.meaning or ())
     for each in symbol.meaning or ():
         if not _acts_on_turtle(each):
             if each.op != "cut":
                 batch.evaluate((each,))
             continue
         args = tuple(batch.get(register) for register in each.args)
+        for arg in args if table.count else ():
+            if isinstance(arg, float) or drawn:  # columns are finite that modules were given
+                _check(bound.program, symbol, table, arg)
         act = Act(each.op, each.const, at, args, made)
         acts += [act] if table.silent is None else _quiet(act)
         at = at + 1
     return acts
+
+
+def _check(program: ir.Program, symbol: ir.Symbol, table: Modules, arg: Value) -> None:
+    """Stop at a setting, such as the turtle's step, that is no number where it is used."""
+    finite = np.broadcast_to(np.isfinite(arg), (table.count,))
+    if finite.all():
+        return
+    row = int(np.argmin(finite))
+    number = int(np.broadcast_to(table.rule, (table.count,))[row])
+    rule = program.axiom if number < 0 else program.productions[number]
+    message = f"{told(program, rule)}: an argument of {symbol.name} is not a finite number"
+    raise ModuleError(fail("not-a-number", message), table.symbol, row)
 
 
 def _quiet(act: Act) -> list[Act]:

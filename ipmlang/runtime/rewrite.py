@@ -222,7 +222,8 @@ class Rewriter:
         assert isinstance(each.const, int)
         params = tuple(batch.get(register) for register in each.args)
         for value in params:
-            if not (isfinite(value) if isinstance(value, float) else np.isfinite(value).all()):
+            known = isfinite(value) if isinstance(value, float) else np.isfinite(value).all()
+            if not known and batch.count:
                 name = self.program.symbols[each.const].name
                 raise self._not_finite(production, f"an argument of {name} is not a", value)
         k0 = k1 = no_words()
@@ -240,7 +241,7 @@ class Rewriter:
         if not np.isfinite(limit).all():
             raise self._not_finite(production, "the count of a repeat is no", limit)
         for hole in (batch.get(register) for register in each.args[1:]):
-            if not np.isfinite(hole).all():
+            if batch.count and not np.isfinite(hole).all():
                 raise self._not_finite(production, "an argument of except is not a", hole)
         counts = copies_of(limit)
         total = int(min(counts.sum(), 2**62))

@@ -76,6 +76,11 @@ OTHERS = {
     "an argument in a hole of a string": (
         "A(x) --> repeat(i < 3) except (1) { B !(1 / (i - 1)) F }\nB --> +(3)\nstart A(-1)"
     ),
+    "a turtle's step": "attr a = -1\nturtle step sqrt(a)\nA --> F\nstart A",
+    "a turtle's step that is drawn": ("turtle step sqrt(rand() - 0.5)\nA --> F F F\nstart A A A"),
+    "a turtle's step in a string": (
+        "attr a = -1\nturtle step sqrt(a)\nA --> B F\nB --> +(3)\nstart A F(1)"
+    ),
     "an overhang": "A(x) --> roofHip(30, overhang: sqrt(x))\nstart A(-1) on box(3, 3, 0)",
 }
 NONE = {
@@ -91,6 +96,10 @@ NONE = {
     "A(x) : weight 1 --> F(3)\nstart A(-1) A(9)",
     "a part that is not there": "A(x) --> split x { 20: Fill | x - x: !(sqrt(x)) B }\nB --> Fill\n"
     "start A(-1) on box(3, 3, 3)",
+    "an argument of no copies": "A(x) --> repeat(i < x) { [+(0 / 0) F] } F\nstart A(0)",
+    "an argument of no copies in a string": (
+        "A(x) --> repeat(i < x) { B(0 / 0) +(0 / 0) F } F\nB(x) --> +(x)\nstart A(0)"
+    ),
     "an argument in a hole": "A --> repeat(i < 3) except (1) { [!(1 / (i - 1)) F] }\nstart A",
     "any power of 0": "A(x) : pow(sqrt(x), 0) == 1 --> F\nA(x) : else --> F(2)\nstart A(-1)",
 }
