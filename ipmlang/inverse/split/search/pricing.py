@@ -92,22 +92,22 @@ def gain_of(
         gone = base.place[rows[base.of[rows] == index]]
         saved += base.found[index].tokens - _without(base, index, gone, limits)
     inside, uses = _inside(base.draft, motif), _uses(base.draft, motif)
-    saved -= sum(_at_least(len(frames)) for frames in [*inside.values(), *uses])
+    saved -= sum(at_least(len(frames)) for frames in [*inside.values(), *uses])
     for symbol, frames in inside.items():
         if saved < least:
             return saved
         figure = base.draft.figures[symbol]
         tokens = arranged(figure, frames, symbol, limits, memory).tokens
-        saved -= tokens - _at_least(len(frames))
+        saved -= tokens - at_least(len(frames))
     for frames in uses:
         if saved < least:
             return saved
         tokens = arranged(shape(), frames, len(base.draft.figures), limits, memory).tokens
-        saved -= tokens - _at_least(len(frames))
+        saved -= tokens - at_least(len(frames))
     return saved
 
 
-def _at_least(copies: int) -> int:
+def at_least(copies: int) -> int:
     """Tokens below which no list of so many copies stays, no two of them in one place."""
     return (0, 1, 5, 12)[copies] if copies < 4 else FEWEST
 

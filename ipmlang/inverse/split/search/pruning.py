@@ -12,19 +12,26 @@ from ipmlang.inverse.frames import compose, join
 from ipmlang.inverse.split.cost import HEAD
 from ipmlang.inverse.split.search.drafts import Draft, Limits
 from ipmlang.inverse.split.search.patterns import Memory, arranged
-from ipmlang.inverse.split.search.pricing import LOOSE, is_loose
+from ipmlang.inverse.split.search.pricing import LOOSE, at_least, is_loose
 from ipmlang.inverse.split.snapping import label_rows, members
 
 
-def tokens_of(draft: Draft, limits: Limits, memory: Memory) -> float:
-    """Tokens of all bodies, each symbol's copies in its patterns."""
+def tokens_of(draft: Draft, limits: Limits, memory: Memory, most: float = np.inf) -> float:
+    """Tokens of all bodies, each symbol's copies in its patterns; where they are more than `most`,
+    some number above that.
+    """
     label, count = label_rows(np.stack([draft.body, draft.symbol], axis=1))
-    total = 0.0
-    for rows in members(label, len(count)):
+    lists = sorted(members(label, len(count)), key=len)  # short ones are soon known
+    total = float(HEAD * len(np.unique(np.append(draft.body, 0))))
+    total += sum(at_least(len(rows)) for rows in lists)
+    for rows in lists:
+        if total > most:
+            break
         symbol = int(draft.symbol[rows[0]])
         found = arranged(draft.figures[symbol], draft.frames[rows], symbol, limits, memory)
-        total += found.tokens + LOOSE * int(is_loose(draft, rows, found).sum())
-    return total + HEAD * len(np.unique(np.concatenate([draft.body, [0]])))
+        total += found.tokens - at_least(len(rows))
+        total += LOOSE * int(is_loose(draft, rows, found).sum())
+    return total
 
 
 def pruned(draft: Draft, limits: Limits, memory: Memory) -> Draft:
@@ -35,7 +42,7 @@ def pruned(draft: Draft, limits: Limits, memory: Memory) -> Draft:
             if not (draft.body == body).any():
                 continue
             other = unfolded(draft, body)
-            tokens = tokens_of(other, limits, memory)
+            tokens = tokens_of(other, limits, memory, now)
             if tokens <= now:
                 draft, now = other, tokens
                 break

@@ -54,6 +54,8 @@ def rings(
     """Rows of frames (n,) with the rings that they are, those of three and more."""
     if len(frames) < 3:
         return
+    if len(shape.symmetry) == 1 and not (frames.rotation != frames.rotation[0]).any():
+        return  # nothing turns
     points = probed(shape, frames)
     first, motion = _motions(shape, frames, points, error)
     if len(first) == 0:
