@@ -28,6 +28,7 @@ from ipmlang.edit.symbols import (
     nodes,
     used_names,
     with_modules,
+    with_shapes,
     without_names,
 )
 from ipmlang.edit.trial import box_of, try_part
@@ -90,7 +91,9 @@ def substitute(draft: Draft, symbol: Symbol, by: str, *, scale: float | None, fi
         first = (_module("*", scale),)
     made = (*first, *part)
     often = sum(symbol.matches(each) for each in _modules(draft.grammar)) > 1
-    if len(made) > 1 and often and not runs_by_steps(draft.grammar):
+    # A row of a table places a symbol by its name, so that more than one needs a rule.
+    tabled = not symbol.args and with_shapes(draft.grammar, symbol.name, symbol.name)[1] > 0
+    if len(made) > 1 and (tabled or (often and not runs_by_steps(draft.grammar))):
         draft, name = _with_rule(draft, by, (ast.Bracket(made),))
         made, first, moves = (ast.Module(name),), (), False
     bare = not first and not moves
@@ -113,6 +116,10 @@ def replaced(draft: Draft, symbol: Symbol, made: Callable[[bool], Elements], by:
 
     before = needed_names(draft.grammar) | {symbol.name}
     grammar = with_modules(draft.grammar, make)
+    match made(True):
+        case (ast.Module(name, ()),) if not symbol.args:
+            grammar, rows = with_shapes(grammar, symbol.name, name)
+            count += rows
     if count == 0:
         hint = "a name without arguments stands for all of its uses"
         raise fail(NOTHING, f"`{symbol.name}` is used nowhere in this way", hint=hint)

@@ -14,6 +14,7 @@ from typing import TypeAlias, TypeVar, assert_never, cast
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.ops import FUNCTIONS, OPERATIONS
+from ipmlang.compiler.places import SHAPE
 from ipmlang.compiler.tokens import is_free_name
 
 Elements: TypeAlias = tuple[ast.Element, ...]
@@ -42,6 +43,24 @@ def _with_modules(item: ast.Item, make: Make) -> ast.Item:
             return replace(item, axiom=_elements(item.axiom, make, True))
         case _:
             return item
+
+
+def with_shapes(grammar: ast.Grammar, name: str, by: str) -> tuple[ast.Grammar, int]:
+    """The grammar with another symbol where rows of tables place one, and how many rows do."""
+    count = 0
+    items: list[ast.Item] = []
+    for item in grammar.items:
+        if isinstance(item, ast.Table) and SHAPE in item.columns:
+            column = item.columns.index(SHAPE)
+            here = [row[column] == ast.Name(name) for row in item.rows]
+            count += sum(here)
+            rows = tuple(
+                (*row[:column], ast.Name(by), *row[column + 1 :]) if found else row
+                for row, found in zip(item.rows, here, strict=True)
+            )
+            item = replace(item, rows=rows)
+        items.append(item)
+    return replace(grammar, items=tuple(items)), count
 
 
 def _elements(elements: Elements, make: Make, closed: bool) -> Elements:

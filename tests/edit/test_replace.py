@@ -150,3 +150,15 @@ def test_a_circle_is_refused(house: Path) -> None:
     for by in ("Window", "Storey"):
         with pytest.raises(IpmError, match=f"`{by}` is made of `frame`"):
             edit.replace_terminal(edit.read(house), "frame", by)
+
+
+def test_rows_of_a_table_place_another_symbol() -> None:
+    """By its name; what is more than one thing becomes a rule, for a cell holds no more."""
+    head = "ipm 1\ntable T(shape, x) =\n    A, 1\n    B, 5\n    A, 9\nA --> F(1)\nB --> F(2)\n"
+    draft = edit.read_text(f"{head}start repeat(r in T) {{ [f(r.x) r.shape] }} [A]")
+    whole = edit.replace_rule(draft, edit.Symbol("A"), "B").text
+    assert "A" not in whole
+    assert whole.count("B") == 5
+    half = edit.replace_rule(draft, edit.Symbol("A"), "B", scale=0.5)
+    assert "B_2, 1" in half.text and "B_2, 9" in half.text
+    assert "B_2 --> [*(0.5) B]" in half.text
