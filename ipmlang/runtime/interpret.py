@@ -99,7 +99,7 @@ def _acts(bound: Bound, symbol: ir.Symbol, table: Modules, first: Whole) -> list
                 batch.evaluate((each,))
             continue
         args = tuple(batch.get(register) for register in each.args)
-        for arg in args if table.count else ():
+        for arg in args if table.count and each.op != "pen" else ():  # a width may be none
             if isinstance(arg, float) or drawn:  # columns are finite that modules were given
                 _check(bound.program, symbol, table, arg)
         act = Act(each.op, each.const, at, args, made)
