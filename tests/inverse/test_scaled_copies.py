@@ -96,6 +96,7 @@ def test_a_row_that_grows_by_a_factor_is_one_repeat(tmp_path: Path, ratio: float
         model.put(WEDGE, WEDGE_FACES, (low, 3 * k, 2.0), 3 * ratio**k)
     text = _inferred(model.save(tmp_path)).text
     assert text.count("repeat(") == 1 and "pow(" in text
+    assert "asset Part in" in text  # no copy's own place
 
 
 def test_a_group_in_two_sizes_is_one_rule(tmp_path: Path) -> None:

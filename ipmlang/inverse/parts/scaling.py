@@ -17,8 +17,9 @@ from ipmlang.inverse.numbers import shortest
 from ipmlang.inverse.parts.aligning import aligned
 from ipmlang.inverse.parts.classes import Classes
 from ipmlang.inverse.parts.copies import Model, stacked
+from ipmlang.inverse.parts.describing import place_word, shape_word
 from ipmlang.inverse.parts.invariants import alike, face_kinds
-from ipmlang.inverse.parts.observation import Likeness, Parts
+from ipmlang.inverse.parts.observation import Likeness, PartClass, Parts
 from ipmlang.inverse.parts.pieces import Pieces, chosen, sums
 from ipmlang.inverse.parts.plainest import snapped
 
@@ -204,8 +205,21 @@ def as_one(parts: Parts, which: Sequence[Likeness]) -> Parts:
         misfit[own] += each.misfit
         frames.append(compose(parts.frames[own], each.frame))
     order = np.argsort(np.concatenate([rest, *rows]))
+    heads = {each.of for each in which}
     classes = tuple(
-        replace(each, members=np.flatnonzero(shape == number))
+        replace(
+            each,
+            members=np.flatnonzero(shape == number),
+            name=_name_for_all(parts, each) if number in heads else each.name,
+        )
         for number, each in enumerate(parts.classes)
     )
     return replace(parts, shape=shape, frames=join(frames)[order], misfit=misfit, classes=classes)
+
+
+def _name_for_all(parts: Parts, shape: PartClass) -> str:
+    """A shape's name without the place where the one stood that has it."""
+    form, row = shape_word(shape.mesh), int(shape.members[0])
+    whole = np.stack([parts.low.min(axis=0), parts.high.max(axis=0)])
+    by_place = place_word(parts.low[row], parts.high[row], whole, form)
+    return form if shape.name.rstrip("0123456789") == by_place else shape.name
