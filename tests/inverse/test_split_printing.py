@@ -232,3 +232,34 @@ def test_a_proof_can_fail() -> None:
     assert not compare_models(one, replace(one, vertices=one.vertices + 2e-6), 1e-6).none
     red = replace(_square(material=0), materials=(Material("red"),))
     assert not compare_models(one, red, 1e-6).none
+
+
+@pytest.mark.parametrize(
+    ("name", "stones", "told"), [("", 1, False), ("Bay", 1, True), ("", 4, True)]
+)
+def test_short_rules_that_are_used_once_are_said_in_their_cell(
+    tmp_path: Path, name: str, stones: int, told: bool
+) -> None:
+    """But for those that have a name, and for long ones."""
+    spots = np.array([[0.0, 0.5 * k, 1.0 + k] for k in range(stones)])
+    bay = Rule(name, np.array([3.0, 4, 9]), (
+        Place(0, identity()), Place(1, moved_to(spots)),
+    ))  # fmt: skip
+    house = Rule("", np.array([15.0, 4, 9]), (_split(0, Cell(3, 2, 5, True)),))
+    scheme = Scheme((*TERMINALS, bay, house), identity())
+    text = _text(scheme)
+    _agrees(scheme, tmp_path, text, 1e-6)
+    assert text.count("-->") == 1 + told
+    if not told:
+        assert "{ ~3: brick [translate(0, 0, 1) stone] }*" in text
+        assert "times that" not in text or "times that stone repeats" in text
+
+
+def test_rows_of_rows_of_one_thing_are_one_rule(tmp_path: Path) -> None:
+    bay = Rule("Bay", np.array([3.0, 8, 1]), (_split(1, Cell(2, 0, 4, True)),))
+    floor = Rule("Floor", np.array([15.0, 8, 1]), (_split(0, Cell(3, 2, 5, True)),))
+    house = Rule("", np.array([15.0, 8, 6]), (_split(2, Cell(1, 3, 6, True)),))
+    scheme = Scheme((*TERMINALS, bay, floor, house), identity())
+    text = _text(scheme)
+    _agrees(scheme, tmp_path, text, 1e-6)
+    assert "split z { { ~1: split x { { ~3: split y { { ~2: brick }* } }* } }* }" in text
