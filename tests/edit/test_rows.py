@@ -45,12 +45,13 @@ def test_few_uneven_copies_stand_one_by_one(count: int) -> None:
     assert "repeat" not in text
 
 
-def test_mirrored_copies_are_a_table_of_their_own() -> None:
+def test_mirrored_copies_are_apart_from_others() -> None:
     mirrored = replace(identity(), hand=np.array([-1.0]))
     parts = posts([(k * k, 0, 0) for k in range(5)])
     parts += [(replace(mirrored, position=frame.position), inner) for frame, inner in parts]
     text = written(parts)
-    assert text.count("table ") == 2
+    assert text.count("table ") == 1, "the places are the same"
+    assert "{ post }" in text
     assert "{ mirror post }" in text
 
 
@@ -93,3 +94,11 @@ def test_three_on_some_circle_are_no_ring() -> None:
         for k in range(3)
     ]
     assert "repeat" not in written([(frame, (ast.Module("post"),)) for frame in frames])
+
+
+def test_a_table_that_is_there_serves_again() -> None:
+    parts = posts([(0, 0, 1), (1, 0, 1), (2.5, 0, 1), (4.25, 0, 1), (5, 0, 2)])
+    first, tables = laid_out(parts, Room(NEAR), lambda wish: wish, "Hall")
+    again, more = laid_out(parts, Room(NEAR), lambda wish: f"{wish}_2", "Hall", tables)
+    assert again == first
+    assert not more

@@ -130,7 +130,11 @@ class Rewriting:
         inside = [Placed(compose(back, each.frame), each.elements) for each in placed]
         parts = [(each.frame, each.elements) for each in inside]
         body, tables = laid_out(
-            parts, Room(self.near), self.forms.new_name, self.forms.tree.names[row]
+            parts,
+            Room(self.near),
+            self.forms.new_name,
+            self.forms.tree.names[row],
+            self.forms.tables,
         )
         self.forms.tables += tables
         return body

@@ -38,10 +38,15 @@ class Room:
 
 
 def laid_out(
-    parts: Sequence[Part], room: Room, title: Callable[[str], str], owner: str
+    parts: Sequence[Part],
+    room: Room,
+    title: Callable[[str], str],
+    owner: str,
+    known: Sequence[ast.Table] = (),
 ) -> tuple[Elements, list[ast.Table]]:
     """The elements that draw parts at frames of one row each, and their tables; title: gives a free
-    name like a wish; owner: the symbol whose body it is.
+    name like a wish; owner: the symbol whose body it is; known: tables that are there already, of
+    which equal ones serve.
     """
     body: list[ast.Element] = []
     tables: list[ast.Table] = []
@@ -55,17 +60,20 @@ def laid_out(
         end = _alike_end(parts, begin, room.near)
         mixed = _symbols_end(parts, begin, room)
         if (end - begin >= MANY and end == mixed) or mixed - begin < MIXED:
-            found = _table(parts[begin:end], room, title) if end - begin >= MANY else None
+            found = _listed(parts[begin:end], room) if end - begin >= MANY else None
         else:
             end = mixed
-            name = title(f"{owner.rpartition('.')[2].lower()}_parts")
-            found = _mixed_table(parts[begin:end], room, name)
+            wish = f"{owner.rpartition('.')[2].lower()}_parts"
+            found = _mixed(parts[begin:end], room, wish)
         if found is None:
             end = begin + 1
             body.append(placed(room.spot(parts[begin][0]), parts[begin][1]))
         else:
-            body.append(found[0])
-            tables.append(found[1])
+            table = next((each for each in (*known, *tables) if found.is_in(each)), None)
+            if table is None:
+                table = ast.Table(title(found.wish), columns=found.columns, rows=found.rows)
+                tables.append(table)
+            body.append(ast.Repeat(ast.Rows("at", table.name, places=True), found.elements))
         begin = end
     return tuple(body), tables
 
@@ -109,10 +117,21 @@ def _symbols_end(parts: Sequence[Part], begin: int, room: Room) -> int:
     return end
 
 
-Tabled = tuple[ast.Element, ast.Table]
+@dataclass(frozen=True, slots=True)
+class Listed:
+    """A table to be: what it would be called, its columns and rows, and what each row draws."""
+
+    wish: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[ast.Expr, ...], ...]
+    elements: Elements
+
+    def is_in(self, table: ast.Table) -> bool:
+        """Whether a table says the same."""
+        return table.columns == self.columns and table.rows == self.rows
 
 
-def _table(parts: Sequence[Part], room: Room, title: Callable[[str], str]) -> Tabled | None:
+def _listed(parts: Sequence[Part], room: Room) -> Listed | None:
     """Equal parts at the places of a table; None where they are more than moved and turned."""
     found = [room.spot(frame) for frame, _ in parts]
     columns, rows = _cells(found)
@@ -121,11 +140,10 @@ def _table(parts: Sequence[Part], room: Room, title: Callable[[str], str]) -> Ta
     elements = parts[0][1]
     last = elements[-1]
     name = last.name if isinstance(last, ast.Module) else "part"
-    table = ast.Table(title(f"{name.lower()}_places"), columns=columns, rows=rows)
-    return _over(table, found[0], elements), table
+    return Listed(f"{name.lower()}_places", columns, rows, (*_mirror(found[0]), *elements))
 
 
-def _mixed_table(parts: Sequence[Part], room: Room, title: str) -> Tabled:
+def _mixed(parts: Sequence[Part], room: Room, wish: str) -> Listed:
     """Symbols at the places of a table, which names them."""
     found = [room.spot(frame) for frame, _ in parts]
     columns, cells = _cells(found)
@@ -133,14 +151,13 @@ def _mixed_table(parts: Sequence[Part], room: Room, title: str) -> Tabled:
         each.name for _, elements in parts for each in elements if isinstance(each, ast.Module)
     ]
     rows = tuple((ast.Name(name), *row) for name, row in zip(names, cells, strict=True))
-    table = ast.Table(title, columns=(SHAPE, *columns), rows=rows)
-    return _over(table, found[0], (ast.Module(f"at.{SHAPE}"),)), table
+    elements = (*_mirror(found[0]), ast.Module(f"at.{SHAPE}"))
+    return Listed(wish, (SHAPE, *columns), rows, elements)
 
 
-def _over(table: ast.Table, spot: Spot, elements: Elements) -> ast.Element:
-    """A repeat of elements over a table, mirrored as all of its spots are."""
-    mirror = (ast.Module("mirror"),) if spot.mirrored else ()
-    return ast.Repeat(ast.Rows("at", table.name, places=True), (*mirror, *elements))
+def _mirror(spot: Spot) -> Elements:
+    """What mirrors, as all spots of a table do or do not."""
+    return (ast.Module("mirror"),) if spot.mirrored else ()
 
 
 def _cells(found: Sequence[Spot]) -> tuple[tuple[str, ...], tuple[tuple[ast.Expr, ...], ...]]:

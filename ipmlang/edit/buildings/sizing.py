@@ -140,7 +140,11 @@ class Sizing:
             axes = self.forms.frame(each.unit) if each.square else base
             parts.append((frame, self.said(each.unit, row, grown, axes)))
         body, tables = laid_out(
-            parts, Room(self.near), self.forms.new_name, self.forms.tree.names[row]
+            parts,
+            Room(self.near),
+            self.forms.new_name,
+            self.forms.tree.names[row],
+            self.forms.tables,
         )
         self.forms.tables += tables
         return body
