@@ -9,12 +9,12 @@ found by a scan. Nothing is derived here.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import replace
 
 from ipmlang.compiler import ir
 from ipmlang.runtime.algebra import Operand, Source
-from ipmlang.runtime.code import INFIX, SOUND, Names, expression, source
+from ipmlang.runtime.code import INFIX, SOUND, Names, doubtful, expression, source
 from ipmlang.runtime.fields import FRAME, IDENTITY, LAG, UNSET
 from ipmlang.runtime.fields import SCOPE as SCOPE_FIELDS
 from ipmlang.runtime.grouping import FIELD
@@ -123,11 +123,14 @@ class Writer:
     ) -> State:
         """Write what a module of a symbol without productions does."""
         inner = replace(scope, params=args, registers={})
+        doubt = doubtful(meaning)
         for each in meaning:
             if each.op in ir.VALUE_OPS:
                 inner.registers[each.out] = self._value(each, inner, inner.registers, state)
                 continue
             given = [inner.registers[arg] for arg in each.args]
+            if each.op == "pen" and not doubt.isdisjoint(each.args):  # else what is drawn tells
+                self.check(each, self._setting.program.symbols[symbol].name, inner, doubt)
             if each.op in ("segment", "emit"):
                 self._draw(each, scope, given, symbol, site, state)
             if each.op == "pen" and _field(each) == FIELD:
@@ -152,14 +155,18 @@ class Writer:
             self._make(each.const, scope, args, each.site, state)
         return state
 
-    def check(self, each: ir.Instruction, name: str, scope: Scope) -> None:
-        """What an operation is given must be finite; that of children is checked with them."""
+    def check(
+        self, each: ir.Instruction, name: str, scope: Scope, among: Set[int] | None = None
+    ) -> None:
+        """What an operation is given must be finite, or some of it; that of children is checked
+        with them.
+        """
         if self.quiet:
             return
         for register in each.args:
             value = scope.registers[register]
             known = isinstance(value, float) and math.isfinite(value)
-            if known or register in self._sound:
+            if known or (register in self._sound if among is None else register not in among):
                 continue
             if self._single:
                 self.source.lines.append(f"if not isfinite({source(value)}):")

@@ -7,6 +7,7 @@ loops over shapes are not here.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -44,6 +45,16 @@ Single: TypeAlias = Callable[
 
 SOUND = frozenset({"param", "index", "uniform", "count"})  # the numbers that these give are finite
 INFIX = {"add": "+", "sub": "-", "mul": "*"}  # the same bits in numpy and in Python
+
+
+def doubtful(code: Iterable[ir.Instruction]) -> frozenset[int]:
+    """The registers that straight-line code writes and whose numbers may not be finite."""
+    return frozenset(
+        each.out
+        for each in code
+        if each.op in ir.VALUE_OPS and each.op not in SOUND
+        and not (each.op == "const" and math.isfinite(float(str(each.const))))
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)

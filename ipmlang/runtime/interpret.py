@@ -15,6 +15,7 @@ from ipmlang.compiler import ir
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.runtime.ancestry import ModuleError
 from ipmlang.runtime.choose import told
+from ipmlang.runtime.code import doubtful
 from ipmlang.runtime.grow import String
 from ipmlang.runtime.rewrite import CLOSE, OPEN, Modules
 from ipmlang.runtime.scan import Whole
@@ -92,15 +93,15 @@ def _acts(bound: Bound, symbol: ir.Symbol, table: Modules, first: Whole) -> list
     at = first[table.place]
     made = replace(table, params=(), place=at[:0])
     acts: list[Act] = []
-    drawn = any(each.op == "uniform" for each in symbol.meaning or ())
+    doubt = doubtful(symbol.meaning or ())  # what modules are given was looked at
     for each in symbol.meaning or ():
         if not _acts_on_turtle(each):
             if each.op != "cut":
                 batch.evaluate((each,))
             continue
         args = tuple(batch.get(register) for register in each.args)
-        for arg in args if table.count and each.op != "pen" else ():  # a width may be none
-            if isinstance(arg, float) or drawn:  # columns are finite that modules were given
+        for register, arg in zip(each.args, args, strict=True):
+            if register in doubt and table.count:
                 _check(bound.program, symbol, table, arg)
         act = Act(each.op, each.const, at, args, made)
         acts += [act] if table.silent is None else _quiet(act)

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 from ipmlang.compiler import ir
 from ipmlang.compiler.ops import FUNCTIONS
-from ipmlang.runtime.code import SOUND
+from ipmlang.runtime.code import SOUND, doubtful
 from ipmlang.runtime.fields import FRAME, SCOPE
 from ipmlang.runtime.gpu import shaping
 from ipmlang.runtime.gpu.functions import calls
@@ -63,6 +63,8 @@ class Elements:
         """What a module of a symbol without productions does; `names` are its own. `site`: where it
         stands, OWN: it is a shape of its own.
         """
+        doubt = doubtful(meaning)
+        threads = self.words.calls == "threads"
         borrowed = {*names.params, *(own for _, own in names.copies), *names.many.values()}
         for each in meaning:
             if each.op == "uniform" and site is not OWN:
@@ -71,6 +73,9 @@ class Elements:
                 self._value(each, names)
                 continue
             given = [names.registers[arg] for arg in each.args]
+            for arg in each.args if threads or each.op == "pen" else ():
+                if arg in doubt:
+                    self.words.put(Op.CHECK, a=names.registers[arg], n=threads)
             if each.op in ("segment", "emit"):
                 self._draw(each, given, symbol, site, names)
             known = {
