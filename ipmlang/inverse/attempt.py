@@ -46,7 +46,7 @@ ROW = 2  # tokens that a row of a table counts for beyond those it takes: rules 
 LEFT = 4  # placements of one symbol that a lattice could say
 TWINS = 3  # symbols placed twice that a group could say
 AS_SHORT = 1.01  # times as many tokens rules with parameters may take that spare fewer tables
-NOISE_TOKENS = 1.25  # times as many tokens a regular grammar with residuals may have
+NOISE_TOKENS = 1.5  # times as many tokens a regular grammar with residuals may have
 SHORT = 0.1  # of the flat tokens: a recursion that no other rules will beat
 FEW = 600  # elements for which a second look costs hardly any time
 

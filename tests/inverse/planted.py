@@ -58,6 +58,7 @@ CASES: tuple[Case, ...] = tuple(
         (0.001, ("contiguous", "shuffled"), 0.0),
         (0.01, ORDERS[:1], 0.0),
         (0.001, ORDERS[:1], 0.2),
+        (0.01, ("contiguous", "shuffled"), 0.2),
     )
     for order in orders
 )
