@@ -82,7 +82,7 @@ EDITS = (
     Edit("two more houses", "28_terrace", (attribute("bays", 7),), 40, (19.2, 0, 0)),
     Edit("a seven-fold tower", "castle.obj", (times(6, 7), turn(60, SEVENTH)), 2),
     Edit("other windows", "building_H.obj",
-         ((r"(\w+), 1.676446, 0.557424, 1.743639", "Group_4"),), 0),
+         ((r"(\w+), 1.676446, 0.557424, 1.743639", "BlockGroup_3"),), 0),
 )  # fmt: skip
 
 
