@@ -55,7 +55,7 @@ def fold(rules: Sequence[ast.Rule], error: float, taken: Set[str]) -> Folded:
     for book in _levels(first, given):
         if book.length() > MOST_ROWS:
             break
-        _merge(book, given, known)
+        _merge(book, given, known, before - best.spared)
         made = printed(book, given, taken)
         spared = before - printed_tokens(made)
         if spared > best.spared:
@@ -85,10 +85,14 @@ def _sizes(book: Book) -> dict[str, int]:
     return sizes
 
 
-def _merge(book: Book, given: Rounding, known: Known) -> None:
-    """Put the stretches that save most into rules, round by round."""
+def _merge(book: Book, given: Rounding, known: Known, least: int) -> None:
+    """Put the stretches that save most into rules, round by round, as long as there is hope to come
+    below the least tokens known: most is saved in the first rounds.
+    """
     number = 0
-    for _ in range(ROUNDS):
+    for done in range(ROUNDS):
+        if done and book.tokens() > least * (1 + 1 / (1 + done)):
+            break
         found = _best(book, given, known)
         put: dict[Stretch, Row] = {}
         touched: set[str] = set()

@@ -37,9 +37,9 @@ TURNED = frozenset({"angle", "scale"})  # labels of numbers that no error of dis
 PLACES = 12  # decimals of angles and factors; those of distances follow the error
 PLAIN = 3  # decimals that the slope of a number that follows another one may have
 SURE = 3  # stretches from which a slope other than 1 is believed
-ANCHORS = 6  # rows that are tried as the place where a stretch stands
+ANCHORS = 4  # rows that are tried as the place where a stretch stands
 MOST = 4  # parameters that a person can tell apart
-LEADERS = 3  # numbers that follow each other of which one becomes the parameter
+LEADERS = 2  # numbers that follow each other of which one becomes the parameter
 
 
 @dataclass(frozen=True, slots=True)
