@@ -168,13 +168,18 @@ def frames_of(rows: Sequence[Row]) -> Frames:
 
 def moved(rows: Sequence[Row], places: Frames) -> tuple[Row, ...]:
     """The rows at other places (n,)."""
-    columns = zip(
-        places.x.tolist(), places.y.tolist(), places.angle.tolist(), places.scale.tolist(),
-        places.handedness.tolist(), strict=True,
-    )  # fmt: skip
     return tuple(
-        replace(row, frame=(x, y, angle, scale), hand=hand)
-        for row, (x, y, angle, scale, hand) in zip(rows, columns, strict=True)
+        Row(
+            (x, y, angle, scale),
+            hand,
+            row.pens,
+            row.name,
+            row.args,
+            row.inner,
+            row.other,
+            row.origin,
+        )
+        for row, (x, y, angle, scale, hand) in zip(rows, places.rows(), strict=True)
     )
 
 

@@ -207,7 +207,7 @@ def _parameters(
     """How each column (k, h) is said; the columns that are parameters, and the sign of each; None
     where there would be more than `most` parameters.
     """
-    said = [Said(float(value)) for value in table[0]]
+    said = [Said(value) for value in table[0].tolist()]
     waiting = np.flatnonzero(np.ptp(table, axis=0) > errors)
     close = _collinear(table[:, waiting], errors[waiting])
     if _directions(close) > most:
@@ -282,10 +282,12 @@ def _followers(
         rest = near[:, waiting] - values[:, None] * rounded
         room = errors[others[waiting]] - np.ptp(rest, axis=0)
         sound = (room >= 0) & (rounded != 0) & ((len(values) >= SURE) | (np.abs(rounded) == 1))
-        for k in np.flatnonzero(sound).tolist():
-            other = int(others[waiting[k]])
-            first = shortest(float(rest[:, k].mean()), max(float(room[k]), errors[other] / 8))
-            if Said(first, 0, float(rounded[k])).words[0] <= len(values) + 2:
-                made[other] = (first, float(rounded[k]))
+        own = others[waiting[sound]]
+        rooms = np.maximum(room[sound], errors[own] / 8)
+        columns = (own, rest[:, sound].mean(axis=0), rooms, rounded[sound])
+        for other, mean, off, slope in zip(*(each.tolist() for each in columns), strict=True):
+            first = shortest(mean, off)
+            if Said(first, 0, slope).words[0] <= len(values) + 2:
+                made[other] = (first, slope)
         waiting = waiting[~sound]
     return made
