@@ -133,7 +133,7 @@ def best_grammar(
         if not (_bends_order(found.book) or asked):
             # Few rules among many loose placements may cost more than they save: tables say less.
             tabled = write_grammar(flat_book, replace(plain, use_tables=True))
-            attempts.append(_tables(tabled, len(observed)))
+            attempts.append(_tables(tabled, len(observed), found.written.named))
         attempts.sort(key=lambda each: each.tokens + each.more)
         # The paper's pairs, and rows that noise and paint order make long, are what was asked for.
         if not (asked or _weighs_less(found, flat_file)):
@@ -218,10 +218,12 @@ def _folded(found: Found, elements: int) -> list[Attempt]:
     return [Attempt("rules", lambda: written, own, written.tokens, written.spared)]
 
 
-def _tables(written: Written, elements: int) -> Attempt:
-    """Tables alone; what stands on grids is explained by them."""
+def _tables(written: Written, elements: int, named: int) -> Attempt:
+    """Tables alone; what stands on grids is explained by them, but not shorter for naming nothing;
+    named: tokens of the attributes that rules have.
+    """
     counts = _gridded(Counts(0, 0, 0.0), written, elements)
-    more = written.spared + ROW * written.rows
+    more = written.spared + ROW * written.rows + (named if written.gridded[0] else 0)
     return Attempt("tables", lambda: written, counts, written.tokens, more)
 
 
@@ -229,7 +231,7 @@ def _gridded(counts: Counts, written: Written, elements: int) -> Counts:
     """With tables on grids as rules, whose cells are elements at least."""
     grids, cells = written.gridded
     explained = min(1.0, counts.explained + cells / max(1, elements))
-    return Counts(counts.rules + grids, counts.twice, explained)
+    return Counts(counts.rules + len(grids), counts.twice, explained)
 
 
 def _recursive(subject: Subject) -> list[Attempt]:

@@ -57,7 +57,7 @@ SHARE = 1e-8  # of the diagonal: what one rounded number may move a point by
 class Written:
     """The tree, what prints the parts file, how many cells that file's tables have, and what these
     weigh, see `weight`; how many tokens tables of many things spare; folded: what rules with
-    parameters changed; gridded: how many tables stand on grids, and how many cells these have.
+    parameters changed; gridded: the tables that stand on grids, and how many cells these have.
     """
 
     grammar: ast.Grammar
@@ -66,7 +66,7 @@ class Written:
     table_weight: float
     spared: float = 0.0
     folded: Folded | None = None
-    gridded: tuple[int, int] = (0, 0)
+    gridded: tuple[frozenset[str], int] = (frozenset(), 0)
 
     @property
     def tokens(self) -> int:
@@ -84,7 +84,14 @@ class Written:
     def rows(self) -> int:
         """Rows of the tables in the text that say where one thing stands."""
         tables = (each for each in self.grammar.items if isinstance(each, ast.Table))
-        return sum(len(each.rows) for each in tables if _places_one(each))
+        placing = (each for each in tables if each.name not in self.gridded[0])
+        return sum(len(each.rows) for each in placing if SHAPE not in each.columns)
+
+    @property
+    def named(self) -> int:
+        """Tokens of the attributes."""
+        given = tuple(each for each in self.grammar.items if isinstance(each, ast.Attr))
+        return count_text_tokens(format_grammar(ast.Grammar(given)))
 
     @property
     def weight(self) -> float:
@@ -103,10 +110,6 @@ class Written:
     def text(self) -> str:
         """The grammar as it is written; laying it out takes time, so it is done once."""
         return format_grammar(self.grammar)
-
-
-def _places_one(table: ast.Table) -> bool:
-    return SHAPE not in table.columns and not {"x", "y"}.isdisjoint(table.columns)
 
 
 def digits_weight(number: str) -> float:
@@ -181,7 +184,7 @@ def write_grammar(book: Book, subject: Subject) -> Written:
         return write_parts(shown, effects=shown_effects, tables=stored)
 
     left = sum(tokens for name, tokens in spared.items() if name not in grids.names)
-    gridded = len(grids.names), grids.cells
+    gridded = frozenset(grids.names), grids.cells
     return Written(ast.Grammar(tuple(items)), parts, *cells, left, folded, gridded)
 
 
