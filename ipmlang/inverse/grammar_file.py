@@ -39,6 +39,7 @@ from ipmlang.inverse.naming import (
 from ipmlang.inverse.numbers import number as literal
 from ipmlang.inverse.observation import Observation
 from ipmlang.inverse.reach import measure
+from ipmlang.inverse.rest import rest_table
 from ipmlang.inverse.schedules import with_schedules
 from ipmlang.inverse.score import DIGITS, INLINE_ROWS
 from ipmlang.inverse.simplify import AXIOM, Book
@@ -148,7 +149,7 @@ def write_grammar(book: Book, subject: Subject) -> Written:
     reach = measure(book, radius, subject.share * subject.observed.diagonal)
     builder = Builder(book, reach, named, effects, names, axiom, painted, subject.use_tables)
     rules, placed = join_tables(builder.rules(), builder.tables)
-    order = _rest_table(book, names, subject.share * subject.observed.diagonal)
+    order = rest_table(book, names, subject.share * subject.observed.diagonal)
     folded, grids = None, NO_GRIDS
     spared: dict[str, float] = {}
     if subject.folded:
@@ -186,27 +187,6 @@ def write_grammar(book: Book, subject: Subject) -> Written:
     left = sum(tokens for name, tokens in spared.items() if name not in grids.names)
     gridded = frozenset(grids.names), grids.cells
     return Written(ast.Grammar(tuple(items)), parts, *cells, left, folded, gridded)
-
-
-def _rest_table(book: Book, names: Names, error: float) -> list[ast.Table]:
-    """The layer of each element where rules draw them in another order than they are painted, and
-    how far each is from where they have it, for what has no table of its own; error: units.
-    """
-    order = book.paint_order()
-    columns: dict[str, list[float]] = {}
-    if order is not None:
-        columns["layer"] = order.astype(np.float64).tolist()
-    if book.shift:
-        count = int(book.extent[book.bodies[AXIOM].parts].sum())
-        ranks = np.arange(count) if order is None else order
-        shift = np.array([book.shift.get(rank, 0j) for rank in ranks.tolist()])
-        columns |= {"x": shift.real.tolist(), "y": shift.imag.tolist()}
-    if not columns:
-        return []
-    rooms = {"layer": 0.0, "x": error, "y": error}
-    cells = [[literal(value, rooms[name]) for value in values] for name, values in columns.items()]
-    rows = tuple(zip(*cells, strict=True))
-    return [ast.Table(names.give("Rest" if book.shift else "Order"), None, tuple(columns), rows)]
 
 
 def _started(rules: list[ast.Rule]) -> tuple[list[ast.Rule], tuple[ast.Element, ...]]:
