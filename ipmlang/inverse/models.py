@@ -132,16 +132,18 @@ def _found_by_search(goal: _Goal, small: float) -> Iterator[Scheme]:
     which they are one shape, before or after the first.
     """
     from ipmlang.inverse.parts.scaling import as_one
+    from ipmlang.inverse.split.search.patterns import Memory
     from ipmlang.inverse.split.search.resizing import promising
     from ipmlang.inverse.split.search.shortest import schemes
     from ipmlang.inverse.split.separating import separated
 
     parts, bound = goal.parts, goal.limit * goal.parts.diagonal
-    found = schemes(parts, bound)
+    memories: dict[float, Memory] = {}
+    found = schemes(parts, bound, memories=memories)
     first = [risen(next(found))]
     likely = promising(parts, bound)
     if likely:
-        resized = next(schemes(as_one(parts, likely), bound))
+        resized = next(schemes(as_one(parts, likely), bound, memories=memories))
         first.append(risen(separated(resized, parts, small)))
         first.sort(key=lambda each: _length(goal, each))
     yield from first

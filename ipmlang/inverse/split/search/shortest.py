@@ -64,16 +64,25 @@ def shortest(parts: Parts, error: float | None = None, work: int | None = None) 
     return next(each for each in schemes(parts, error, work) if _off(parts, each) <= bound)
 
 
-def schemes(parts: Parts, error: float | None = None, work: int | None = None) -> Iterator[Scheme]:
+def schemes(
+    parts: Parts,
+    error: float | None = None,
+    work: int | None = None,
+    memories: dict[float, Memory] | None = None,
+) -> Iterator[Scheme]:
     """Schemes that should do, the ones that take more liberties first; the last has no rules.
+    memories: what searches of like parts have arranged, by the errors allowed.
 
     How far parts are from their shapes counts too, but only a proof knows in which direction.
     """
     bound = PROVEN * parts.diagonal if error is None else error
     plain = flat(parts)
+    known = {} if memories is None else memories
     for share in SHARES:
         limits = Limits(share * bound, NOTHING * bound)
-        found = _searched(parts, limits, WORK + EACH * len(parts.shape) if work is None else work)
+        memory = known.setdefault(limits.error, Memory())
+        lookups = WORK + EACH * len(parts.shape) if work is None else work
+        found = _searched(parts, limits, lookups, memory)
         if scheme_tokens(found, limits.small) >= scheme_tokens(plain, limits.small):
             break  # where less may be off there is less to find
         if _off(parts, found) <= HOPE * bound:
@@ -86,10 +95,9 @@ def _off(parts: Parts, scheme: Scheme) -> float:
     return float(np.hypot(errors(parts, scheme), parts.misfit).max(initial=0.0))
 
 
-def _searched(parts: Parts, limits: Limits, work: int) -> Scheme:
+def _searched(parts: Parts, limits: Limits, work: int, memory: Memory) -> Scheme:
     origin = parts.low.min(axis=0) if len(parts.low) else np.zeros(3)
     draft = first_draft(parts, origin, limits)
-    memory = Memory()
     spent = 0
     for _ in range(ROUNDS):
         better, used = _improved(draft, limits, memory, work - spent)
