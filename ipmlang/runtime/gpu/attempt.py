@@ -55,12 +55,12 @@ def attempt_table(
     why. Raises IpmError as `attempt` does.
     """
     from ipmlang.runtime.gpu.device import device
-    from ipmlang.runtime.gpu.table import derive_table
+    from ipmlang.runtime.gpu.reuse import table_of
 
     try:
         if backend == "auto" and device().is_software:
             return None
-        return derive_table(program, values, seed, limits)
+        return table_of(program, values, seed, limits)
     except IpmError as error:
         if backend == "auto" and is_of_card(error):
             return None

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
@@ -69,6 +69,7 @@ class Device:
         self.info = _info_of(context)
         self.limits = _limits_of(context)
         self.lost = False
+        self.on_full: Callable[[], None] | None = None  # gives back what is only kept
         self.compile_seconds = 0.0
         self._shaders: dict[str, moderngl.ComputeShader] = {}
 
@@ -95,8 +96,20 @@ class Device:
         return self._shaders[source]
 
     def buffer(self, content: bytes | bytearray | memoryview | int) -> Storage:
-        """A storage buffer with this content, or of so many bytes that are not set."""
+        """A storage buffer with this content, or of so many bytes that are not set. Where the card
+        is full, what is kept for later goes first.
+        """
         contexts.check_thread()
+        try:
+            return self._allocated(content)
+        except IpmError as error:
+            give_back, self.on_full = self.on_full, None
+            if give_back is None or error.diagnostics[0].code != "gpu-memory":
+                raise
+        give_back()
+        return self._allocated(content)
+
+    def _allocated(self, content: bytes | bytearray | memoryview | int) -> Storage:
         size = content if isinstance(content, int) else memoryview(content).nbytes
         if size > self.limits.block_bytes:
             raise self.too_large(size)
@@ -161,6 +174,9 @@ class Device:
 
     def close(self) -> None:
         """Release shaders and the context; buffers with it, unless pictures still hold it."""
+        give_back, self.on_full = self.on_full, None
+        if give_back is not None:
+            give_back()
         self._shaders.clear()
         contexts.give_back(self.context)
 

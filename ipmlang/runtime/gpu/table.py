@@ -8,7 +8,7 @@ is not all that a picture needs. Rows stand in no order. Nothing is drawn here.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +40,8 @@ _ELSEWHERE = frozenset({JOIN, UV, "texture"})  # -1 in what no picture needs mor
 class Table:
     """Terminals on a card, in parts that each lie in one buffer, and what else there is: `rest`,
     which the CPU drew. `fields` are the numbers of the state, in the order in which a row has them;
-    colours and the like are numbers of texts of the program.
+    colours and the like are numbers of texts of the program. Several may hold the same rows, each
+    by a table of its own; the memory goes back with the last.
     """
 
     card: Device
@@ -52,6 +53,10 @@ class Table:
     rest: Scene | None
     notes: tuple[str, ...]
     backend: str
+    _holders: set[int] = field(default_factory=set)
+
+    def __post_init__(self) -> None:
+        self._holders.add(id(self))
 
     def __len__(self) -> int:
         return sum(part.count for part in self.parts)
@@ -60,10 +65,18 @@ class Table:
         """The first of the two words of a row that hold a field, None where no row has it."""
         return TERMINAL + 6 + 2 * self.fields.index(name) if name in self.fields else None
 
+    def lend(self) -> Table:
+        """The same rows for somebody else, who releases them when it likes."""
+        return replace(self)
+
     def release(self) -> None:
-        """Give the memory back."""
-        for part in self.parts:
-            part.storage.release()
+        """Give the memory back, once nobody else holds it; a second time does nothing."""
+        if id(self) not in self._holders:
+            return
+        self._holders.remove(id(self))
+        if not self._holders:
+            for part in self.parts:
+                part.storage.release()
 
 
 def derive_table(
