@@ -32,6 +32,7 @@ from ipmlang.inverse.numbers import linear, shortest
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 HEAD = 2  # `Name -->`
+READ = 2  # tokens that a parameter must save for whoever has to find out what it does
 FINE = 1e-9  # degrees or ratio: numbers that are equal
 TURNED = frozenset({"angle", "scale"})  # labels of numbers that no error of distances holds for
 PLACES = 12  # decimals of angles and factors; those of distances follow the error
@@ -133,6 +134,7 @@ def best_template(
         if made is None:
             continue
         saved = written - made.tokens - sum(row.tokens for row in made.call_rows("T"))
+        saved -= READ * len(made.labels)
         if best is None or saved > best[1]:
             best = made, saved
     return best
