@@ -19,6 +19,8 @@ from ipmlang.compiler.diagnostics import IpmError, fail
 from ipmlang.edit.arithmetic import literal
 from ipmlang.edit.buildings.asking import Asking
 from ipmlang.edit.buildings.baking import Asset, Baking
+from ipmlang.edit.buildings.regularity import Part
+from ipmlang.edit.buildings.rows import Room, laid_out
 from ipmlang.edit.buildings.tree import Tree
 from ipmlang.edit.symbols import Elements, taken_names
 from ipmlang.inverse.frames import Floats, Frames, Integers, compose, identity, inverse, linear
@@ -366,6 +368,15 @@ class Forms:
         ]
         found += [(int(first[each]), ("shape", each)) for each in self.tree.children[row]]
         return [unit for place, unit in sorted(found) if place < count]
+
+    def laid(self, row: int, parts: Sequence[Part], near: float) -> Elements:
+        """The body of a shape that draws parts at their frames; near: what numbers may be off.
+        Tables that it needs stand among the others.
+        """
+        own = self.tree.names[row]
+        body, tables = laid_out(parts, Room(near), self.new_name, own, self.tables)
+        self.tables += tables
+        return body
 
     def new_name(self, wish: str) -> str:
         """A name that nothing bears yet, taken from here on."""

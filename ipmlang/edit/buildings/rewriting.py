@@ -17,7 +17,6 @@ import numpy as np
 from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.edit.buildings.forms import Forms, Unit
-from ipmlang.edit.buildings.rows import Room, laid_out
 from ipmlang.edit.buildings.sizing import inlined
 from ipmlang.edit.buildings.units import tolerance
 from ipmlang.edit.draft import Change, Draft
@@ -129,15 +128,7 @@ class Rewriting:
         back = inverse(frame)
         inside = [Placed(compose(back, each.frame), each.elements) for each in placed]
         parts = [(each.frame, each.elements) for each in inside]
-        body, tables = laid_out(
-            parts,
-            Room(self.near),
-            self.forms.new_name,
-            self.forms.tree.names[row],
-            self.forms.tables,
-        )
-        self.forms.tables += tables
-        return body
+        return self.forms.laid(row, parts, self.near)
 
     def _variant(self, row: int, body: Elements) -> str:
         symbol = self.forms.tree.names[row]

@@ -18,7 +18,7 @@ import numpy as np
 from ipmlang.compiler import ast
 from ipmlang.edit.buildings.forms import SQUARE, Forms, Unit
 from ipmlang.edit.buildings.regularity import Part
-from ipmlang.edit.buildings.rows import Room, laid_out
+from ipmlang.edit.buildings.rows import Room
 from ipmlang.edit.symbols import Elements, nodes
 from ipmlang.inverse.frames import Floats, Frames, corners, inverse, linear
 from ipmlang.inverse.split.wording import Vector, bracket, call
@@ -139,15 +139,7 @@ class Sizing:
             frame = Frames(place[None], own.rotation, own.hand, np.ones(1))
             axes = self.forms.frame(each.unit) if each.square else base
             parts.append((frame, self.said(each.unit, row, grown, axes)))
-        body, tables = laid_out(
-            parts,
-            Room(self.near),
-            self.forms.new_name,
-            self.forms.tree.names[row],
-            self.forms.tables,
-        )
-        self.forms.tables += tables
-        return body
+        return self.forms.laid(row, parts, self.near)
 
 
 def ratios(before: Floats, after: Floats, same: float) -> Floats:

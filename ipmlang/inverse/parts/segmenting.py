@@ -192,20 +192,12 @@ def _shared(
     have, too: books on shelves, of which no two rows are alike.
     """
     trial = _TRIALS[_OWN]
-    label = np.unique(trial.cut(sheet), return_inverse=True)[1]
-    pieces = sorted_pieces(sheet.mesh, same, label, False)
-    above = parent[pieces.face[pieces.face_start[:-1]]]
-    kind = np.zeros(len(pieces), np.int64)
-    for number, rows in enumerate(alike(pieces, centers(pieces), tolerance)):
-        kind[rows] = number
-    own = 3.0 * np.diff(pieces.vertex_start) + np.diff(pieces.corner_start)
-    first, _ = distinct_rows(np.stack([above, kind], axis=1).astype(np.float64))
-    of, kinds = above[first], kind[first]
+    above, of, kinds, own = _kinds(sheet, same, parent, trial.cut(sheet), tolerance)
     many = np.bincount(above, minlength=len(whole))
     fit = fit & (many > 1)
     while True:  # what one of them saves hangs on the others
-        holders = np.bincount(kinds[(fit | (many == 1))[of]], minlength=len(pieces))
-        shared = own[first] / np.maximum(holders[kinds], 1)
+        holders = np.bincount(kinds[(fit | (many == 1))[of]], minlength=len(above))
+        shared = own / np.maximum(holders[kinds], 1)
         cost = np.bincount(of, shared, len(whole)) + trial.place * many * times
         better = fit & (cost <= trial.share * whole)
         if (better == fit).all():
@@ -232,14 +224,22 @@ def _shapes(
     """What the shapes of each parent cost to say, the numbers of each kind of piece in it; and how
     many kinds there are.
     """
-    label = distinct_numbers(label)[1]
-    pieces = sorted_pieces(sheet.mesh, same, label, False)
+    _, of, _, own = _kinds(sheet, same, parent, label, tolerance)
+    count = int(parent.max()) + 1
+    return np.bincount(of, own, count).astype(np.float64), np.bincount(of, minlength=count)
+
+
+def _kinds(
+    sheet: Sheet, same: Integers, parent: Integers, label: Integers, tolerance: float
+) -> tuple[Integers, Integers, Integers, Floats]:
+    """The parent of each piece that a label makes; then for each kind of piece in a parent, once:
+    the parent, the kind's number, and what the shape costs to say.
+    """
+    pieces = sorted_pieces(sheet.mesh, same, distinct_numbers(label)[1], False)
     above = parent[pieces.face[pieces.face_start[:-1]]]
     kind = np.zeros(len(pieces), np.int64)
     for number, rows in enumerate(alike(pieces, centers(pieces), tolerance)):
         kind[rows] = number
     own = 3.0 * np.diff(pieces.vertex_start) + np.diff(pieces.corner_start)
     first, _ = distinct_numbers(above * len(pieces) + kind)
-    count = int(parent.max()) + 1
-    costs = np.bincount(above[first], own[first], count).astype(np.float64)
-    return costs, np.bincount(above[first], minlength=count)
+    return above, above[first], kind[first], own[first]

@@ -104,7 +104,7 @@ class Device:
             return self._allocated(content)
         except IpmError as error:
             give_back, self.on_full = self.on_full, None
-            if give_back is None or error.diagnostics[0].code != "gpu-memory":
+            if give_back is None or not is_full(error):
                 raise
         give_back()
         return self._allocated(content)
@@ -195,6 +195,11 @@ class Device:
 def is_of_card(error: IpmError) -> bool:
     """Whether an error is the card's, not the grammar's, so that numpy may do better."""
     return error.diagnostics[0].code in _TROUBLE
+
+
+def is_full(error: IpmError) -> bool:
+    """Whether the card has no memory for it; what it can do with less may still be done."""
+    return error.diagnostics[0].code == "gpu-memory"
 
 
 class _Open:

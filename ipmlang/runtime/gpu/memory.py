@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.compiler.diagnostics import IpmError
-from ipmlang.runtime.gpu.device import Device
+from ipmlang.runtime.gpu.device import Device, is_full
 from ipmlang.runtime.gpu.storage import Storage
 
 Words = NDArray[np.uint32]
@@ -131,8 +131,3 @@ class Memory:
         spare, self._spare = self._spare, []
         for rows in spare:
             self.free(rows.storage)
-
-
-def is_full(error: IpmError) -> bool:
-    """Whether the card has no memory for it; what it can do with less may still be done."""
-    return error.diagnostics[0].code == "gpu-memory"

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from ipmlang.compiler.diagnostics import IpmError
 from ipmlang.runtime.gpu import machine
+from ipmlang.runtime.gpu.device import is_full
 from ipmlang.runtime.gpu.isa import HEADER, Count, Trouble
 from ipmlang.runtime.gpu.machine import Machine, Made, Tree, TroubleError, check, limits
-from ipmlang.runtime.gpu.memory import Rows, is_full
+from ipmlang.runtime.gpu.memory import Rows
 from ipmlang.runtime.gpu.storage import Storage
 from ipmlang.runtime.limits import Bounds
 
