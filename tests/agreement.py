@@ -18,7 +18,16 @@ from numpy.typing import NDArray
 
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError
 from ipmlang.geometry.solid import Solid
-from ipmlang.runtime.scene import OUTLINE, SCOPE, SEGMENT, SOLID, Scene, TextureMaps
+from ipmlang.runtime.scene import (
+    OUTLINE,
+    OUTLINES,
+    PATH,
+    SCOPE,
+    SEGMENT,
+    SOLID,
+    Scene,
+    TextureMaps,
+)
 from tests.agreement_solids import is_close, same_surface
 
 Outcome: TypeAlias = "Scene | Diagnostic"
@@ -27,7 +36,7 @@ Column: TypeAlias = NDArray[np.generic]
 
 STEP = 1e-12  # what a generation may add to the relative difference of two floats
 PEN = 2.0**-22  # widths are f32: two numbers that round to neighbours may differ by so much
-KINDS = {SEGMENT: "segment", OUTLINE: "polygon", SCOPE: "scope", SOLID: "solid"}
+KINDS = {SEGMENT: "segment", OUTLINE: "polygon", PATH: "path", SCOPE: "scope", SOLID: "solid"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +59,13 @@ class Bound:
     def length(self) -> float:
         """For places and sizes in the world."""
         return self.ratio * self.extent
+
+
+def _same_corners(one: Column, other: Column, allowed: float) -> bool:
+    """Whether outlines go through the same corners, NaN between the same parts."""
+    if one.shape != other.shape or not np.array_equal(np.isnan(one), np.isnan(other)):
+        return False
+    return is_close(np.nan_to_num(one), np.nan_to_num(other), allowed)
 
 
 def bound_of(scene: Scene) -> Bound:
@@ -247,13 +263,13 @@ class _Pairs:
     # --------------------------------------------------------------- what rows point at
 
     def shapes(self) -> Iterator[str]:
-        """Corners of polygons, and solids."""
+        """Corners of polygons and paths, and solids."""
         numbers = self._column("shape")
         assets = self._column("asset")[0]
         seen = 0
-        for place in np.flatnonzero(assets == OUTLINE):
+        for place in np.flatnonzero(np.isin(assets, OUTLINES)):
             one, other = (s.polygons[n[place]] for s, n in zip(self.scenes, numbers, strict=True))
-            if seen < self.first and not is_close(one, other, self.bound.length):
+            if seen < self.first and not _same_corners(one, other, self.bound.length):
                 seen += 1
                 yield f"{self._told(int(self.rows[0][place]))}: its corners differ"
         solids = np.flatnonzero(assets == SOLID)

@@ -211,7 +211,7 @@ def rewrite(
 
 
 def cut(string: list[Module]) -> list[Module]:
-    """Each `cut` goes with the rest of its branch; a polygon that stays open still closes."""
+    """Each `cut` goes with the rest of its branch; a polygon or path still closes."""
     out: list[Module] = []
     skip = None
     depth = braces = 0
@@ -222,7 +222,11 @@ def cut(string: list[Module]) -> list[Module]:
         if module.name == "]" and skip == depth:
             skip = None
         depth -= module.name == "]"
-        braces += {"{": 1, "}": -1}.get(module.name, 0) if skip is not None else 0
+        braces += (
+            {"{": 1, "}": -1, "path{": 1, "}path": -1}.get(module.name, 0)
+            if skip is not None
+            else 0
+        )
         if skip is None or braces < 0:
             out.append(module)
             braces = 0
@@ -292,15 +296,34 @@ TURNS = {
 }
 
 
+@dataclass
+class Line:
+    """The parts of a path, points each."""
+
+    parts: list[list[np.ndarray]]
+
+    def draw(self, begin: np.ndarray, end: np.ndarray) -> None:
+        if not self.parts or abs(self.parts[-1][-1] - begin).max() > 1e-8:
+            self.parts.append([begin])
+        self.parts[-1].append(end)
+
+    def mark(self, point: np.ndarray) -> None:
+        if not self.parts:
+            self.parts.append([])
+        self.parts[-1].append(point)
+
+
 def walk(system: System, string: list[Module], upright: bool = False) -> tuple[list, list]:
-    """Rows (kind, position, axes, argument, pens, layer, key) and polygons, in order."""
+    """Rows (kind, position, axes, argument, pens, layer, key) and outlines, in order: the corners of
+    a polygon, or the points of each part of a path.
+    """
     axes = np.eye(3)
     if upright:
         axes = np.array([[0.0, -1, 0], [0, 0, -1], [1, 0, 0]])
     state = State(np.zeros(3), axes, {"width": math.nan})
     stack: list[State] = []
-    polygons: list[list[np.ndarray]] = []
-    open_polygons: list[list[np.ndarray]] = []
+    polygons: list[list] = []
+    opened: list[list | Line] = []
     rows: list[tuple] = []
     for module in string:
         name, args = module.name, module.args
@@ -315,8 +338,11 @@ def walk(system: System, string: list[Module], upright: bool = False) -> tuple[l
         elif name in ("F", "f"):
             begin = state.position.copy()
             state.position = begin + state.axes @ np.array([args[0], 0, 0])
-            if open_polygons:
-                open_polygons[-1] += [begin, state.position.copy()]
+            if opened and isinstance(opened[-1], Line):
+                if name == "F" and not module.silent:
+                    opened[-1].draw(begin, state.position.copy())
+            elif opened:
+                opened[-1] += [begin, state.position.copy()]
             elif name == "F" and not module.silent:
                 rows.append(
                     (
@@ -334,8 +360,8 @@ def walk(system: System, string: list[Module], upright: bool = False) -> tuple[l
         elif name == "at":
             begin = state.position
             state.position = begin + state.axes @ np.array([args[0], args[1], 0])
-            if open_polygons:
-                open_polygons[-1] += [begin, state.position]
+            if opened and not isinstance(opened[-1], Line):
+                opened[-1] += [begin, state.position]
         elif name == "*":
             state.axes = state.axes * args[0]
         elif name == "mirror":
@@ -347,9 +373,21 @@ def walk(system: System, string: list[Module], upright: bool = False) -> tuple[l
         elif name == "layer":
             state.layer += args[0]
         elif name == "{":
-            open_polygons.append([])
+            opened.append([])
+        elif name == "path{":
+            opened.append(Line([]))
+        elif name == "}path":
+            line = opened.pop()
+            assert isinstance(line, Line)
+            parts = [part for part in line.parts if len(part) > 1]
+            if parts and not module.silent:
+                polygons.append(parts)
+                rows.append(
+                    ("}", np.zeros(3), np.eye(3), 0.0, dict(state.pens), state.layer, module.key)
+                )
         elif name == "}":
-            points = open_polygons.pop()
+            points = opened.pop()
+            assert not isinstance(points, Line)
             kept = [
                 p for i, p in enumerate(points) if i == 0 or abs(p - points[i - 1]).max() > 1e-9
             ]
@@ -360,8 +398,9 @@ def walk(system: System, string: list[Module], upright: bool = False) -> tuple[l
                 rows.append(
                     ("}", np.zeros(3), np.eye(3), 0.0, dict(state.pens), state.layer, module.key)
                 )
-        elif name == "vertex" and open_polygons:
-            open_polygons[-1].append(state.position.copy())
+        elif name == "vertex" and opened:
+            here = opened[-1]
+            (here.mark if isinstance(here, Line) else here.append)(state.position.copy())
         elif name == "asset" and not module.silent:
             rows.append(
                 (

@@ -64,6 +64,8 @@ Opcode: TypeAlias = Literal[
     "emit",  # args (sx, sy, sz) or (); const: asset number, or -1 for a terminal's own scope
     "polygon_open",
     "polygon_close",
+    "path_open",
+    "path_close",
     "vertex",
 ]
 

@@ -83,9 +83,11 @@ ITEMS = {
     "`decimals 2` behind it rounds the points of what is drawn, as the program did that wrote it.",
     "axes y-up": "The up axis that OBJ, STL and PLY are written with.",
     "residual T": "What no rule explains: row k of the table adjusts the k-th terminal that is "
-    "drawn, in the order of the derivation; a segment of `F`, an asset, a polygon are terminals. "
+    "drawn, in the order of the derivation; a segment of `F`, an asset, a polygon, a path are "
+    "terminals. "
     "Columns: `x`, `y`, `z` move it along the axes of the file; `angle` turns it about its own z, "
-    "`scale` multiplies it (a polygon, about its first corner); `color`, `fill`, `stroke`, `css` "
+    "`scale` multiplies it (a polygon or a path, about its first corner); `color`, `fill`, "
+    "`stroke`, `css` "
     'stand in for those of its pen, `""` leaves them; `layer` is its paint order. A column may be '
     "left out. There must be a row for each terminal; in a run with a seed or attributes of its "
     "own, a residual that does not fit is left out, which is said.",
@@ -99,7 +101,7 @@ ITEMS = {
     "Lot --> split x { ~1: House | 2: Tree(5) }": "Rules of all kinds in one file. What rules "
     "without operations on scopes make, such as "
     "`Tree`, is a string of its own where it has to be: where a symbol moves the turtle for "
-    "what stands behind it, where rules look at their neighbours, with `cut`, polygons and "
+    "what stands behind it, where rules look at their neighbours, with `cut`, polygons, paths and "
     "`tropism`. Its turtle starts in the frame and with the pen of the scope (heading along x: "
     "turn it up with `^(90)`), and it is what it would be alone. Such things cannot stand in a "
     "rule that itself works on scopes: make a rule of its own of them.",
@@ -143,7 +145,7 @@ ELEMENTS = {
 }
 
 REPORT = {
-    "terminals": "What is drawn: segments, assets, polygons.",
+    "terminals": "What is drawn: segments, assets, polygons, paths.",
     "shapes": "What was derived: the start, every module made whose symbol has rules (one that "
     "stays as it is counts anew in each generation), and every terminal. Operations, brackets and "
     "what stands in a hole of a `repeat` do not count, however a grammar is derived.",

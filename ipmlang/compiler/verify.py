@@ -15,7 +15,7 @@ ARGUMENTS: dict[str, int] = {
     "move": 3, "rotate": 1, "orient": 4, "scale": 1, "mirror": 0, "level": 0, "layer": 1, "cut": 0,
     "slab": 2, "slab_along": 3, "part": 0, "join": 0, "resize": 3, "center": 1, "report": 2,
     "phase": 1, "snap": 3, "piece": 3, "snapped": 3, "segment": 1, "polygon_open": 0,
-    "polygon_close": 0, "vertex": 0, "open": 0, "close": 0,
+    "polygon_close": 0, "path_open": 0, "path_close": 0, "vertex": 0, "open": 0, "close": 0,
 }  # fmt: skip
 RESERVED = 0x40000000  # sites from here on are not a production's own
 

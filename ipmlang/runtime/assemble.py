@@ -29,8 +29,8 @@ Framed = TypeVar("Framed", "Rows", Groups)
 class Rows:
     """What was drawn, n rows.
 
-    Frames and `size` as in `Instances`; `asset` a number of Program.assets, SEGMENT, OUTLINE or
-    SCOPE; `shape` a polygon's number or -1; `width` NaN and `color` -1 where the pen sets none,
+    Frames and `size` as in `Instances`; `asset` a number of Program.assets, SEGMENT, OUTLINE, PATH
+    or SCOPE; `shape` a polygon's number or -1; `width` NaN and `color` -1 where the pen sets none,
     else a number of Program.strings; `texts` the same for each of TEXT_FIELDS that some row sets;
     `symbol` the terminal's number; `rule` the production that made it, -1 for the axiom; `key`
     (n,) u64; `groups` what `effect` wraps; `texture_maps` how textures lie; `drawn` (n,) which of

@@ -1,8 +1,8 @@
-"""What a turtle draws on its way: segments, terminals and polygons as rows in the string's order.
+"""What a turtle draws on its way: segments, terminals and outlines as rows in the string's order.
 
-In go a stream and its turtle, out come rows for a scene and the corners of its polygons. Inside a
-polygon `F` and `f` make corners and draw nothing else; what drew is asked for its pen once. Nothing
-here moves the turtle.
+In go a stream and its turtle, out come rows for a scene and the corners of its outlines. Inside a
+polygon or a path `F` and `f` make corners and draw nothing else; what drew is asked for its pen
+once. Nothing here moves the turtle.
 """
 
 from __future__ import annotations
@@ -20,17 +20,16 @@ from ipmlang.runtime.choose import told
 from ipmlang.runtime.grouping import FIELD, Grouping
 from ipmlang.runtime.interpret import Act, Stream, chosen
 from ipmlang.runtime.keys import packed
+from ipmlang.runtime.outlines import Polygons, outlines_of
 from ipmlang.runtime.scan import Frames, Real, Whole
-from ipmlang.runtime.scene import OUTLINE, SCOPE, SEGMENT, Groups
+from ipmlang.runtime.scene import OUTLINES, SCOPE, SEGMENT, Groups
 from ipmlang.runtime.turtle import Turtle
 from ipmlang.runtime.values import Value
-
-Polygons = tuple[NDArray[np.float64], ...]
 
 
 @dataclass(slots=True, eq=False)
 class _Drawn:
-    """An act that draws, the number of what it draws, its sizes and, for polygons, their shapes."""
+    """An act that draws, the number of what it draws, its sizes and, for outlines, their shapes."""
 
     act: Act
     asset: int
@@ -50,27 +49,24 @@ def drawn_along(
     """The same, and at which place of the stream each row is drawn (n,)."""
     polygons: Polygons = ()
     acts: list[_Drawn] = []
-    nest = _nesting(stream)
-    for act in _visible(stream, "segment"):
+    outlines = outlines_of(stream, turtle)
+    nest = None if outlines is None else outlines.nest
+    for act in stream.visible("segment"):
         free = act if nest is None else chosen(act, np.flatnonzero(nest[act.at] == 0))
         acts.append(_Drawn(free, SEGMENT, (free.args[0], 0.0, 0.0)))
-    for act in _visible(stream, "emit"):
+    for act in stream.visible("emit"):
         sizes = act.args if len(act.args) == 3 else (0.0, 0.0, 0.0)
         assert isinstance(act.const, int)
         acts.append(_Drawn(act, act.const if act.const >= 0 else SCOPE, sizes))
-    if nest is not None:
-        outlines, polygons = _polygons(stream, turtle, nest)
-        acts += outlines
+    if outlines is not None:
+        acts += [_Drawn(*each) for each in outlines.closing]
+        polygons = outlines.corners
     acts = [each for each in acts if len(each.act.at)]
     order = _order(stream.length, [each.act.at for each in acts])
     at = np.empty(sum(map(len, order)), np.int64)
     for each, rows in zip(acts, order, strict=True):
         at[rows] = each.act.at
     return _rows(program, stream, turtle, acts, order, at), polygons, at
-
-
-def _visible(stream: Stream, op: str) -> list[Act]:
-    return [act for act in stream.of(op) if not act.hidden]
 
 
 def _rows(
@@ -94,7 +90,7 @@ def _rows(
                 size[rows, axis] = value
     frames = turtle.frames(at)
     _check_finite(program, frames, rule, [each.act for each in acts], order)
-    outline = asset == OUTLINE
+    outline = np.isin(asset, OUTLINES)
     if outline.any():  # corners are in world coordinates
         frames.position[outline], frames.scale[outline] = 0, 1
         frames.rotation[outline] = (1, 0, 0, 0)
@@ -217,86 +213,3 @@ def _frame_columns(turtle: Turtle, at: Whole) -> dict[str, Real]:
     columns = dict(zip("xyz", found.position.T, strict=True))
     columns |= dict(zip("wijk", found.rotation.T, strict=True))
     return {**columns, "scale": found.scale, "layer": turtle.layers(at)}
-
-
-def _nesting(stream: Stream) -> NDArray[np.int32] | None:
-    """How many polygons each place of the stream stands in, None where there are none."""
-    opened, closed = stream.of("polygon_open"), stream.of("polygon_close")
-    if not opened:
-        return None
-    step = np.zeros(stream.length + 1, np.int32)
-    for act in opened:
-        step[act.at] += 1
-    for act in closed:
-        step[act.at + 1] -= 1
-    return np.cumsum(step[:-1], dtype=np.int32)
-
-
-def _polygons(
-    stream: Stream, turtle: Turtle, nest: NDArray[np.int32]
-) -> tuple[list[_Drawn], Polygons]:
-    """The polygons that have three corners or more, and the acts that close them."""
-    opens = np.sort(np.concatenate([act.at for act in stream.of("polygon_open")]))
-    at, points = _corners(stream, turtle, nest)
-    number = _innermost(nest, opens, at)
-    order = np.lexsort((np.arange(len(at)), at, number))
-    number, points = number[order], points[order]
-    kept = _distinct(number, points)
-    number, points = number[kept], points[kept]
-    counts = np.bincount(number, minlength=len(opens))
-    closing = []
-    visible = _visible(stream, "polygon_close")
-    owners = [_innermost(nest, opens, act.at) for act in visible]
-    shown = np.zeros(len(opens), np.bool_)
-    for owner in owners:
-        shown[owner] = True
-    full = np.flatnonzero(shown & (counts >= 3))
-    shape = np.full(len(opens), -1, np.int32)
-    shape[full] = np.arange(len(full))
-    for act, owner in zip(visible, owners, strict=True):
-        rows = np.flatnonzero(shape[owner] >= 0)
-        closing.append(_Drawn(chosen(act, rows), OUTLINE, (0.0, 0.0, 0.0), shape[owner[rows]]))
-    ends = np.cumsum(counts)
-    return closing, tuple(points[ends[i] - counts[i] : ends[i]] for i in full.tolist())
-
-
-def _corners(stream: Stream, turtle: Turtle, nest: NDArray[np.int32]) -> tuple[Whole, Real]:
-    """Both ends of every edge inside a polygon, and the places marked as corners."""
-    at: list[Whole] = [np.zeros(0, np.int64)]
-    points: list[Real] = [np.zeros((0, 3))]
-    for act in stream.of("segment", "move", "vertex"):
-        inside = act.at[nest[act.at] > 0]
-        for after in (False, True) if act.op != "vertex" else (False,):
-            at.append(inside)
-            points.append(turtle.places(inside, after=after))
-    # the two ends of an edge stand at one place: the stable sort of `_polygons` keeps this order
-    return np.concatenate(at), np.concatenate(points)
-
-
-def _innermost(nest: NDArray[np.int32], opens: Whole, at: Whole) -> Whole:
-    """The number of the polygon that each place stands in, by where it opens."""
-    depths = nest[opens]
-    found = np.zeros(len(at), np.int64)
-    for depth in np.unique(depths).tolist():
-        numbers = np.flatnonzero(depths == depth)
-        rows = np.flatnonzero(nest[at] == depth)
-        found[rows] = numbers[np.searchsorted(opens[numbers], at[rows], side="right") - 1]
-    return found
-
-
-def _distinct(number: Whole, points: Real) -> NDArray[np.bool_]:
-    """Which corners differ from the one before, and at the end from the first, in their polygon."""
-    if not len(number):
-        return np.zeros(0, np.bool_)
-    extent = float(np.ptp(points, axis=0).max())
-    near = 1e-12 * max(extent, 1e-300)
-    first = np.ones(len(number), np.bool_)
-    first[1:] = number[1:] != number[:-1]
-    kept = first.copy()
-    kept[1:] |= np.abs(points[1:] - points[:-1]).max(axis=1) > near
-    begin = np.flatnonzero(first)
-    index = np.where(kept, np.arange(len(number)), -1)
-    last = np.maximum.reduceat(index, begin)
-    closes = np.abs(points[last] - points[begin]).max(axis=1) <= near * 1000
-    kept[last[closes & (last != begin)]] = False
-    return kept

@@ -33,7 +33,7 @@ from ipmlang.runtime.order import Drawn, Made, Order, Record
 from ipmlang.runtime.pending import FINAL, Pending, Shapes
 from ipmlang.runtime.queries.marks import FIELD as MARK
 from ipmlang.runtime.queries.marks import PHASE, SEEN
-from ipmlang.runtime.scene import OUTLINE, SEGMENT
+from ipmlang.runtime.scene import OUTLINES, SEGMENT
 from ipmlang.runtime.scopes.ground import first_keys, standing
 from ipmlang.runtime.scopes.growing import grow
 from ipmlang.runtime.scopes.joins import Joining
@@ -50,7 +50,7 @@ if TYPE_CHECKING:
 NARROW = 24  # so few shapes run one by one
 PLACES = ("x", "y", "z")
 TURNED = ("angle", "w", "i", "j", "k", "scale")
-FLAT = (SEGMENT, OUTLINE)  # what a turtle draws has no scope
+FLAT = (SEGMENT, *OUTLINES)  # what a turtle draws has no scope
 
 NOTHING = Made(0, 0, np.zeros(0, np.int64))
 

@@ -289,7 +289,7 @@ def _cut(program: ir.Program, string: String, history: History | None) -> String
     change = change - np.bincount(end, minlength=string.length + 1)
     left = np.cumsum(change[:-1]) == 0
     begins, closes = _braces(program, string)
-    left[closes] = left[begins]  # what stays open of a polygon must close
+    left[closes] = left[begins]  # what stays open of a polygon or path must close
     place = np.cumsum(left) - 1
     if history is not None:
         history.steps.append((np.flatnonzero(left), []))
@@ -302,15 +302,16 @@ def _cut(program: ir.Program, string: String, history: History | None) -> String
     return String(int(left.sum()), tables, string.steps)
 
 
-def _placed(program: ir.Program, string: String, op: str) -> Whole:
-    """Where the symbols stand whose meaning has some instruction."""
-    return np.concatenate([string.places(OPEN)[:0], *map(string.places, _meaning(program, op))])
+def _placed(program: ir.Program, string: String, *ops: str) -> Whole:
+    """Where the symbols stand whose meaning has one of some instructions."""
+    symbols = [number for op in ops for number in _meaning(program, op)]
+    return np.concatenate([string.places(OPEN)[:0], *map(string.places, symbols)])
 
 
 def _braces(program: ir.Program, string: String) -> tuple[Whole, Whole]:
-    """Where each polygon opens and where it closes, pair by pair."""
-    opens = np.sort(_placed(program, string, "polygon_open"))
-    closes = np.sort(_placed(program, string, "polygon_close"))
+    """Where each polygon or path opens and where it closes, pair by pair."""
+    opens = np.sort(_placed(program, string, "polygon_open", "path_open"))
+    closes = np.sort(_placed(program, string, "polygon_close", "path_close"))
     places = np.concatenate((opens, closes))
     order = np.argsort(places)
     opening = order < len(opens)

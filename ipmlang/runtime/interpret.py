@@ -52,6 +52,10 @@ class Stream:
         """The acts of some kinds."""
         return [act for act in self.acts if act.op in ops]
 
+    def visible(self, op: str) -> list[Act]:
+        """The acts of a kind that do not only move."""
+        return [act for act in self.of(op) if not act.hidden]
+
     def drop(self, *ops: str) -> None:
         """Forget the acts of some kinds: whoever follows them has done so."""
         self.acts = [act for act in self.acts if act.op not in ops]
@@ -124,7 +128,7 @@ def _check(program: ir.Program, symbol: ir.Symbol, table: Modules, arg: Value) -
 def _quiet(act: Act) -> list[Act]:
     """An act of modules some of which draw nothing: those only move."""
     silent = act.modules.silent
-    if silent is None or act.op not in ("segment", "emit", "polygon_close"):
+    if silent is None or act.op not in ("segment", "emit", "polygon_close", "path_close"):
         return [act]
     hidden = chosen(act, np.flatnonzero(silent))
     hidden.hidden = True

@@ -28,7 +28,9 @@ from ipmlang.runtime.strings import steps_of
 from ipmlang.runtime.values import Bound
 
 LONG = 500  # modules in all bodies; compiling one takes about 0.2 ms, a string 10 us
-TEXTUAL = frozenset({"polygon_open", "polygon_close", "vertex", "cut", "uniform"})
+TEXTUAL = frozenset({
+    "polygon_open", "polygon_close", "path_open", "path_close", "vertex", "cut", "uniform",
+})  # fmt: skip
 
 
 def derive_frontier(
@@ -123,7 +125,7 @@ def derived(
 
 
 def is_independent(program: ir.Program) -> bool:
-    """Whether nothing needs the string: no thread, no context, no tropism, no polygon."""
+    """Whether nothing needs the string: no thread, no context, no tropism, no polygon or path."""
     return not program.threaded and program.tropism is None and not (TEXTUAL & set(_ops(program)))
 
 

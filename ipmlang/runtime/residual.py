@@ -1,6 +1,6 @@
 """What no rule explains, terminal by terminal: the table of a `residual` applied to what was drawn.
 
-In go rows in derivation order, whichever executor made them, and the polygons among them; out come
+In go rows in derivation order, whichever executor made them, and the outlines among them; out come
 both with row k moved, turned, scaled and painted as row k of the table says. It happens before
 anything is joined or written, so each segment of a line is a terminal of its own. Nothing is
 derived here.
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ipmlang.compiler import ir
 from ipmlang.compiler.diagnostics import IpmError, fail
 from ipmlang.runtime import scan
-from ipmlang.runtime.scene import OUTLINE
+from ipmlang.runtime.scene import OUTLINES
 
 if TYPE_CHECKING:
     from ipmlang.runtime.assemble import Rows
@@ -70,7 +70,9 @@ def _error(note: str) -> IpmError:
 def _placed(rows: Rows, columns: Columns) -> Rows:
     """Moved in the axes of the file; turned and scaled each in its own frame."""
     move = np.stack([columns.get(axis, np.zeros(len(rows.scale))) for axis in "xyz"], axis=1)
-    frames = rows.asset != OUTLINE  # corners are in world coordinates: they move by themselves
+    frames = ~np.isin(
+        rows.asset, OUTLINES
+    )  # corners are in world coordinates: they move by themselves
     position = rows.position + np.where(frames[:, None], move, 0.0)
     scale = rows.scale * np.where(frames, columns.get("scale", 1.0), 1.0)
     rotation = rows.rotation
@@ -115,9 +117,9 @@ def _painted(program: ir.Program, rows: Rows, columns: Columns) -> Rows:
 
 
 def _outlines(rows: Rows, polygons: Polygons, columns: Columns) -> Polygons:
-    """Polygons moved, and turned and scaled about their first corners."""
+    """Polygons and paths moved, and turned and scaled about their first corners."""
     found = list(polygons)
-    for row in np.flatnonzero(rows.asset == OUTLINE).tolist():
+    for row in np.flatnonzero(np.isin(rows.asset, OUTLINES)).tolist():
         number = int(rows.shape[row])
         corners = found[number]
         own = {name: float(column[row]) for name, column in columns.items()}

@@ -282,7 +282,7 @@ def _stayed(batch: Batch, symbol: int, rest: Rest) -> Modules:
 
 
 def _needs_keys(symbol: ir.Symbol) -> bool:
-    drawing = {"segment", "emit", "polygon_close", "uniform"}
+    drawing = {"segment", "emit", "polygon_close", "path_close", "uniform"}
     return bool(
         symbol.productions
         or symbol.interpretation

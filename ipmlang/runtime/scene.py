@@ -20,6 +20,8 @@ SEGMENT = -1  # `asset` of a drawn turtle segment: from the frame's origin along
 OUTLINE = -2  # `asset` of a turtle polygon: `shape` indexes Scene.polygons
 SCOPE = -3  # `asset` of a terminal without geometry of its own: its box is drawn
 SOLID = -4  # `asset` of a terminal with geometry: `shape` indexes Scene.solids
+PATH = -5  # `asset` of a turtle path: `shape` indexes Scene.polygons, NaN between its parts
+OUTLINES = (OUTLINE, PATH)  # corners in the world, whatever the frame
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,9 +42,9 @@ class Instances:
     position (n, 3) f64; rotation (n, 4) f64 unit quaternion w, x, y, z; scale (n,) f64, its sign is
     the handedness (negative: local x is mirrored first, then scaled by |scale|, then rotated);
     size (n, 3) f64, in units of the frame (a segment's length is size[:, 0] * |scale|);
-    asset (n,) int32 index into Scene.assets, or SEGMENT, OUTLINE, SCOPE, SOLID;
-    shape (n,) int32 index into Scene.polygons for OUTLINE rows, into Scene.solids for SOLID rows,
-    else -1;
+    asset (n,) int32 index into Scene.assets, or SEGMENT, OUTLINE, SCOPE, SOLID, PATH;
+    shape (n,) int32 index into Scene.polygons for OUTLINE and PATH rows, into Scene.solids for
+    SOLID rows, else -1;
     style (n,) int32 index into Scene.styles; width (n,) f32 in file units, NaN where the pen sets
     none; color (n,) u32 0xRRGGBBAA, 0 where the pen sets none; layer (n,) f64 paint order, stable
     ties by row; label (n,) int32 index into Scene.labels (the terminal's symbol); rule (n,) int32
@@ -136,6 +138,7 @@ class Origin:
 class Scene:
     """Everything an exporter needs. `flat`: nothing leaves z = 0. `canvas`: x, y, width,
     height, y up. `shapes`: the start, all modules made whose symbols have rules, and all terminals.
+    `polygons`: corners (m, 2 or 3) of outlines; in a path a row of NaN stands between two parts.
     `groups`: what `effect` wraps, None where nothing does. `solids`: geometry in the unit box of
     its scope; a row's size stretches it, along an axis of size 0 by 1. `reports`: for each key that
     something was reported under, the sum and how many did. `decimals`: of the points of a drawing,

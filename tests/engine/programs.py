@@ -95,6 +95,8 @@ MEANINGS: dict[str, tuple[ir.Instruction, ...]] = {
     "layer": _do("layer", 0),
     "{": _do("polygon_open"),
     "}": _do("polygon_close"),
+    "path{": _do("path_open"),
+    "}path": _do("path_close"),
     "vertex": _do("vertex"),
     "cut": _do("cut"),
     "asset": _do("emit", const=-1),

@@ -28,7 +28,8 @@ WRITTEN = (
     "roofPyramid", "roofMansard", "offset(", "setback(", "shapeL(", "subdivide(", "scatter(",
     "octant(", "innerRect", "cube", "cylinder", "sphere", "quad", "translate(", "rotate(",
     "rotateScope", "size(", "center(", "mirrorScope", "alignScopeToAxes", "about:", "set (",
-    "with (", "weight", "%", "else", "interpret", "steps ", "polygon {", "cut", "effect(", "css(",
+    "with (", "weight", "%", "else", "interpret", "steps ", "polygon {", "path {",
+    "cut", "effect(", "css(",
     "color(", "fill(", "stroke(", "layer(", "material(", "texture(", "projectUV", "tileUV",
     "report(", "tag(", "label(", "mirror", "*(", "at(",
     "&(", "^(", "/(", "\\(", "$", "turn", "leaf",
@@ -96,7 +97,7 @@ def test_generated_grammars_write_all_of_the_language() -> None:
 BUSH = """ipm 1
 asset leaf, star in "pieces.parts.svg"
 A(n) : n > 0 --> F(2) !(n) color("#f00") [+(30) A(n - 1)] [-(25) css("a:b") A(n - 1)] leaf
-A(n) : else --> polygon { F + F + F } layer(1) star
+A(n) : else --> polygon { F + F + F } path { F [+ F] f F } layer(1) star
 start [effect("pieces.parts.svg#shade") A(2)] A(3)
 """
 HOUSE = """ipm 1

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from ipmlang.compiler import ir
-from ipmlang.runtime.scene import OUTLINE, SEGMENT, Scene
+from ipmlang.runtime.export import save
+from ipmlang.runtime.scene import OUTLINE, PATH, SEGMENT, Scene
 from ipmlang.runtime.strings import derive_string
 from tests.engine.grammars import compiled
 
@@ -70,6 +71,40 @@ def test_polygons_nest_and_take_marks() -> None:
     np.testing.assert_allclose(inner[:, :2], [(4, 0), (5, 0), (5, 1), (4, 1)], atol=1e-12)
     corners = [(0, 0), (4, 0), (0, 0), (2, 0), (2, 2), (0, 2)]
     np.testing.assert_allclose(outer[:, :2], corners, atol=1e-12)
+
+
+def parts_of(points: np.ndarray) -> list[list[tuple[float, float]]]:
+    """The parts of a path, rounded."""
+    split = np.split(points[:, :2], np.flatnonzero(np.isnan(points[:, 0])))
+    told = [np.round(part[~np.isnan(part[:, 0])], 9) + 0.0 for part in split]
+    return [[(x, y) for x, y in part.tolist()] for part in told]
+
+
+def test_a_path_begins_anew_where_nothing_is_drawn() -> None:
+    scene = drawn("turtle angle 90\nstart path { F + F [- F] F f F } F path { f } path { F }")
+    assert scene.instances.asset.tolist() == [PATH, SEGMENT, PATH]
+    first, last = map(parts_of, scene.polygons)
+    assert first == [[(0, 0), (1, 0), (1, 1), (2, 1)], [(1, 1), (1, 2)], [(1, 3), (1, 4)]]
+    assert last == [[(1, 6), (1, 7)]]
+
+
+def test_a_path_goes_straight_to_what_is_marked() -> None:
+    scene = drawn("start path { vertex f(2) F at(0, 3) vertex } path { vertex f F f vertex }")
+    assert [parts_of(each) for each in scene.polygons] == [
+        [[(2, 0), (3, 0), (3, 3)]],
+        [[(4, 3), (5, 3), (6, 3)]],
+    ]
+
+
+def test_a_path_is_one_element_of_a_drawing(tmp_path: Path) -> None:
+    scene = drawn('turtle angle 90\nstart color("teal") path { F + F f F } polygon { F + F }')
+    save(scene, tmp_path / "x.svg")
+    text = (tmp_path / "x.svg").read_text(encoding="utf-8")
+    assert text.count("<path") == 2
+    assert 'd="M0 0L1 0L1 -1M1 -2L1 -3" fill="none" stroke="#008080"' in text
+    save(scene, tmp_path / "x.obj")
+    lines = (tmp_path / "x.obj").read_text(encoding="utf-8").splitlines()
+    assert sum(line.startswith("f ") for line in lines) == 3 * 10 + 1  # closed tubes, a triangle
 
 
 def test_an_outer_edge_that_leaves_its_branch_stays_in_order() -> None:

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ipmlang.compiler import ir
-from ipmlang.runtime.scene import OUTLINE, SEGMENT, Scene
+from ipmlang.runtime.scene import OUTLINE, OUTLINES, SEGMENT, Scene
 from ipmlang.runtime.strings import derive_modules, derive_string
 from tests import oracle_strings as oracle
 from tests.engine.grammars import compiled
@@ -17,7 +17,7 @@ from tests.engine.programs import program
 ARITY = {
     "A": 1, "B": 2, "C": 0, "F": 1, "f": 1, "+": 1, "-": 1, "&": 1, "^": 1, "\\": 1, "/": 1,
     "at": 2, "*": 1, "mirror": 0, "$": 0, "!": 1, "layer": 1, "{": 0, "}": 0, "vertex": 0,
-    "cut": 0, "asset": 0,
+    "path{": 0, "}path": 0, "cut": 0, "asset": 0,
 }  # fmt: skip
 PLANAR = ["F", "f", "+", "-", "at", "*", "mirror", "!", "layer", "asset", "vertex"]
 SOLID = [*PLANAR, "&", "^", "\\", "/", "$"]
@@ -49,7 +49,8 @@ def bodies(
 ) -> list[oracle.Element]:
     body: list[oracle.Element] = []
     for _ in range(draw(st.integers(0, 4))):
-        kind = draw(st.sampled_from(["module"] * 5 + ["branch", "polygon", "repeat"] * (depth < 2)))
+        inner = ["branch", "polygon", "path", "repeat"]
+        kind = draw(st.sampled_from(["module"] * 6 + inner * (depth < 2)))
         if kind == "module":
             name = draw(st.sampled_from(names))
             args = [draw(expressions(params, copies)) for _ in range(ARITY[name])]
@@ -64,8 +65,8 @@ def bodies(
             body.append(("repeat", number, count, inner, holes))
         else:
             inner = draw(bodies(names, params, copies, depth + 1))
-            ends = [("[",), ("]",)] if kind == "branch" else [("{",), ("}",)]
-            body += [ends[0], *inner, ends[1]]
+            begin, end = {"branch": "[]", "polygon": "{}", "path": ("path{", "}path")}[kind]
+            body += [(begin,), *inner, (end,)]
     return body
 
 
@@ -131,17 +132,24 @@ def agree(scene: Scene, rows: list, polygons: list) -> None:
         assert found.layer[i] == pytest.approx(layer)
         assert found.width[i] == pytest.approx(pens["width"], rel=1e-6, nan_ok=True)
         if kind == "}":
-            assert found.asset[i] == OUTLINE
+            assert found.asset[i] in OUTLINES
             continue
         assert (found.asset[i] == SEGMENT) == (kind == "F")
         assert found.position[i] == pytest.approx(position, abs=near)
         assert matrix(found, i) == pytest.approx(axes, abs=near)
         if kind == "F":
             assert found.size[i, 0] == argument
-    shapes = found.shape[found.asset == OUTLINE]
-    assert len(shapes) == len(polygons) == len(scene.polygons)
-    for number, points in zip(shapes, polygons, strict=True):
-        assert scene.polygons[number] == pytest.approx(np.array(points), abs=1e-9 * size)
+    rows_of = np.flatnonzero(np.isin(found.asset, OUTLINES))
+    assert len(rows_of) == len(polygons) == len(scene.polygons)
+    for row, points in zip(rows_of, polygons, strict=True):
+        drawn = scene.polygons[found.shape[row]]
+        parts = [points] if found.asset[row] == OUTLINE else points
+        lifts = np.flatnonzero(np.isnan(drawn[:, 0]))
+        split = np.split(drawn, lifts)
+        split[1:] = [part[1:] for part in split[1:]]
+        assert len(split) == len(parts)
+        for one, other in zip(split, parts, strict=True):
+            assert one == pytest.approx(np.array(other), abs=1e-9 * size)
 
 
 def matrix(found: object, row: int) -> np.ndarray:

@@ -10,7 +10,7 @@ import pytest
 
 import ipmlang
 from ipmlang.compiler.verify import verify
-from ipmlang.runtime.scene import OUTLINE, SEGMENT, Scene
+from ipmlang.runtime.scene import OUTLINE, OUTLINES, SEGMENT, Scene
 
 LEAF = "L --> polygon { F(0.2) +(120) F(0.2) }\n"
 SYSTEMS = {
@@ -18,6 +18,8 @@ SYSTEMS = {
     "A(n) : else --> F(0.1)\n",
     "draws": "P --> A(4)\nA(n) : n > 0 : 60% --> F(rand(1, 2)) A(n - 1) [+(rand(40)) A(n - 1)] F\n"
     "A(n) : n > 0 --> +(rand(9)) F A(n - 1) F\nA(n) : else --> nil\n",
+    "paths": "P --> [+(30) path { B f F(2) }] F A\nA --> f(1) [path { F [+(40) F] B }] F\n"
+    "B --> F(0.2) +(120) F(0.2)\n",
     "polygons": "P --> [+(30) L] F A\nA --> f(1) [L] F\n" + LEAF,
     "contexts": "P --> B C C C\nB < C --> B F(2)\nB --> [+(45) F(0.3)] C\nC --> C\n",
     "cuts": "P --> A(4)\nA(n) : n > 1 --> F A(n - 1) [+(40) F cut F A(1)] F(0.2)\n"
@@ -50,7 +52,7 @@ def assert_alike(found: Scene, alone: Scene, turn: np.ndarray, step: tuple[float
     assert one.asset.tolist() == other.asset.tolist()
     names = [[scene.labels[each] for each in scene.instances.label] for scene in (found, alone)]
     assert names[0] == names[1]
-    free = one.asset != OUTLINE  # whose corners are in the world
+    free = ~np.isin(one.asset, OUTLINES)  # whose corners are in the world
     places = other.position @ turn.T + np.array(step)
     np.testing.assert_allclose(one.position[free], places[free], atol=1e-9)
     np.testing.assert_allclose(one.size, other.size, rtol=1e-12)
@@ -150,6 +152,7 @@ def test_ivy_on_a_house_is_written() -> None:
     [
         ("Lot --> size(1, 1, 1) A B\nA --> F\nB --> F\n", "A", "moves the turtle"),
         ("Lot --> size(1, 1, 1) [polygon { F +(90) F }]\n", "polygon", "a polygon of the turtle"),
+        ("Lot --> size(1, 1, 1) [path { F }]\n", "path", "a path of the turtle"),
         ("Lot --> size(1, 1, 1) [F cut F]\n", "cut", "`cut`"),
         ("tropism (0, 0, -1) 0.2\nLot --> size(1, 1, 1) [F]\n", "F]", "that a tropism bends"),
         ("Lot --> size(1, 1, 1) [B] [C]\nB < C --> F\n", "C]", "what stands beside it"),

@@ -133,11 +133,12 @@ class Turtles(Writer):
         return getattr(self, f"_{kind}")(place)
 
     def _polygon(self, place: Place) -> str:
-        corners = (
+        corners = [
             f"F({self._length(place)}) +({self.draw.choice(ANGLES)})"
             for _ in range(self.draw.randint(3, 5))
-        )
-        return f"[polygon {{ {' '.join(corners)} }}]"
+        ]
+        kind = "path" if len(corners) == 4 else "polygon"
+        return f"[{kind} {{ {' '.join(corners)} }}]"
 
     def _length(self, place: Place) -> str:
         return self.values.number(0.2, 4, place.names)

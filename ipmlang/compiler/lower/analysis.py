@@ -12,7 +12,9 @@ from dataclasses import replace
 
 from ipmlang.compiler import ir
 
-READS = frozenset({"segment", "emit", "vertex", "polygon_open", "polygon_close", "cut"})
+READS = frozenset({
+    "segment", "emit", "vertex", "polygon_open", "polygon_close", "path_open", "path_close", "cut",
+})  # fmt: skip
 MOTIONS = frozenset({"move", "rotate", "orient", "scale", "mirror", "level", "segment"})
 MOVES = MOTIONS | {"pen", "layer"}
 

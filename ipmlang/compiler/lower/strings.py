@@ -2,7 +2,7 @@
 
 In go symbols and productions, out come flags, and what no string can hold because it stands among
 operations on scopes. Shapes with scopes expand one by one; what carries on behind a rule, looks at
-its neighbours, is cut, bent or filled needs the whole string around it.
+its neighbours, is cut, bent, filled or one path needs the whole string around it.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from dataclasses import dataclass
 from ipmlang.compiler import ir
 from ipmlang.compiler.lower.analysis import Analysis
 
-FILLING = frozenset({"polygon_open", "polygon_close", "vertex"})
+OUTLINES = frozenset({"polygon_open", "polygon_close", "path_open", "path_close", "vertex"})
 # what a turtle of a string can do, and the fields of its pen
 TURTLE = frozenset({
     "move", "rotate", "orient", "scale", "mirror", "level", "segment", "emit", "layer", "cut",
-}) | FILLING  # fmt: skip
+}) | OUTLINES  # fmt: skip
 PENS = frozenset({"width", "color", "fill", "stroke", "css", "material", "texture"})
 VALUES = ir.VALUE_OPS - ir.SCOPE_OPS
 BODIES = frozenset({"module", "open", "close", "repeat"})
@@ -107,7 +107,9 @@ class Strings:
         """What a module needs a string for, in the words of the message."""
         symbol = self._symbols[_number(module)]
         ops = {each.op for each in symbol.meaning or ()}
-        if ops & FILLING:
+        if ops & {"path_open", "path_close"}:
+            return "a path of the turtle"
+        if ops & OUTLINES:
             return "a polygon of the turtle"
         if "cut" in ops:
             return "`cut`"

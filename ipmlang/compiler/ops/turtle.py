@@ -1,4 +1,4 @@
-"""The turtle's operations: moving, turning, drawing segments and polygons.
+"""The turtle's operations: moving, turning, drawing segments, polygons and paths.
 
 Records only. A meaning is straight-line IR over the operation's own parameters; lowering fills in
 what was left out from `defaults`. Signs follow the frame: local x is the heading, y left, z up.
@@ -151,12 +151,26 @@ DRAWING = (
         refused=("polygon(3) { F }", "polygon { side: F }"),
     ),
     Operation(
+        "path",
+        "turtle",
+        "draw",
+        "Draw one open line through all that the `F` inside draw: one terminal, with the pen that "
+        "holds behind the braces. An `F` that does not start where the line has ended begins a new "
+        "part of it, behind `f` or a bracket; to a place marked by `vertex` the line goes on "
+        "straight. Moves inside carry on behind it.",
+        labels=("",),
+        meaning=((Step("path_open"), Step("body"), Step("path_close")),),
+        examples=("path { F + F f F }", 'color("teal") path { F [+ F] F }'),
+        refused=("path(3) { F }", "path { side: F }"),
+    ),
+    Operation(
         "vertex",
         "turtle",
         "draw",
-        "Mark the turtle's place as a corner of the polygon around it (the book's full stop).",
+        "Mark the turtle's place as a corner of the polygon around it (the book's full stop), or "
+        "as a point of the path.",
         meaning=((Step("vertex"),),),
-        examples=("polygon { vertex f vertex + f vertex }",),
+        examples=("polygon { vertex f vertex + f vertex }", "path { F at(3, 1) vertex }"),
         refused=("vertex(1)",),
     ),
     Operation(

@@ -22,7 +22,7 @@ from ipmlang.edit.saving import about, staged
 from ipmlang.inverse.frames import Floats, Frames, Integers, corners, inverse, linear
 from ipmlang.runtime import derive
 from ipmlang.runtime.lineage import Lineage
-from ipmlang.runtime.scene import OUTLINE, SEGMENT, AssetRef, Scene
+from ipmlang.runtime.scene import OUTLINES, SEGMENT, AssetRef, Scene
 
 if TYPE_CHECKING:
     from ipmlang.formats.mesh_types import Mesh
@@ -264,12 +264,13 @@ def _terminals(scene: Scene, meshes: Mapping[int, Mesh]) -> Terminals:
     for number, mesh in meshes.items():
         rows = (table.asset == number) & ~_fitted(scene, number)
         low[rows], high[rows] = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-    for shape in np.unique(table.shape[table.asset == OUTLINE]).tolist():
-        rows = (table.asset == OUTLINE) & (table.shape == shape)
+    outline = np.isin(table.asset, OUTLINES)
+    for shape in np.unique(table.shape[outline]).tolist():
+        rows = outline & (table.shape == shape)
         points = scene.polygons[shape]
         low[rows, : points.shape[1]], high[rows, : points.shape[1]] = (
-            points.min(axis=0),
-            points.max(axis=0),
+            np.nanmin(points, axis=0),
+            np.nanmax(points, axis=0),
         )
     high[table.asset == SEGMENT, 1:] = 0.0
     labels = tuple(scene.labels[k] for k in table.label.tolist())

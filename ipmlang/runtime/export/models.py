@@ -1,4 +1,4 @@
-"""A scene as meshes and their copies: segments as cylinders, scopes as boxes, assets and solids.
+"""A scene as meshes and copies: segments and paths as cylinders, scopes as boxes, assets, solids.
 
 In goes the instance table, out comes a `MeshScene` of `formats.mesh_types`; every row becomes at
 most one copy, and no mesh is made twice. Nothing is derived and nothing is written here.
@@ -24,7 +24,7 @@ from ipmlang.runtime.export.model_assets import model_assets
 from ipmlang.runtime.export.placing import frame_matrices
 from ipmlang.runtime.export.solids import solid_mesh
 from ipmlang.runtime.export.uv import Copies, laid
-from ipmlang.runtime.scene import OUTLINE, SCOPE, SEGMENT, SOLID, Scene
+from ipmlang.runtime.scene import OUTLINE, PATH, SCOPE, SEGMENT, SOLID, Scene
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -54,6 +54,7 @@ class _Model:
         draw: dict[int, Callable[[Rows], None]] = {
             SEGMENT: self._segments,
             OUTLINE: self._polygons,
+            PATH: self._paths,
             SCOPE: self._scopes,
             SOLID: self._solids,
         }
@@ -109,11 +110,27 @@ class _Model:
         matrices = np.concatenate([axes * scale[:, None, :], matrices[:, :, 3:]], axis=2)
         self._add(unit_cylinder(CYLINDER_SIDES), rows, matrices)
 
+    def _paths(self, rows: Rows) -> None:
+        """A cylinder for each line of turtle paths, which are in the world already."""
+        table = self.scene.instances
+        pairs = [_lines(self.scene.polygons[shape]) for shape in table.shape[rows].tolist()]
+        owner = np.repeat(rows, [len(each) for each in pairs])
+        lines = np.concatenate(pairs)
+        length = np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1)
+        lines, owner, length = lines[length > 0], owner[length > 0], length[length > 0]
+        width = np.where(np.isnan(table.width[owner]), self._default_width(), table.width[owner])
+        axes = _along((lines[:, 1] - lines[:, 0]) / length[:, None])
+        axes *= np.stack([length, width, width], axis=1)[:, None, :]
+        matrices = np.concatenate([axes, lines[:, 0, :, None]], axis=2)
+        self._add(unit_cylinder(CYLINDER_SIDES), owner, matrices)
+
     def _default_width(self) -> float:
         table = self.scene.instances
         ends = table.position
         heading = frame_matrices(table, np.arange(len(table)))[:, :, 0] * table.size[:, :1]
-        extent = float(np.ptp(np.concatenate([ends, ends + heading]), axis=0).max())
+        paths = [_lines(self.scene.polygons[k]) for k in table.shape[table.asset == PATH].tolist()]
+        points = [ends, ends + heading, *(each.reshape(-1, 3) for each in paths)]
+        extent = float(np.ptp(np.concatenate(points), axis=0).max())
         return extent * THIN or 1.0
 
     def _scopes(self, rows: Rows) -> None:
@@ -186,6 +203,23 @@ class _Model:
             material = _material(self.scene.styles[style].material, color, textures.get(style))
             number.append(-1 if material is None else found.setdefault(material, len(found)))
         return np.array(number, np.int64)[kind], tuple(found)
+
+
+def _lines(points: Floats) -> Floats:
+    """Both ends (k, 2, 3) of the lines of a path through points (m, 2 or 3), NaN between parts."""
+    placed = np.zeros((len(points), 3))
+    placed[:, : points.shape[1]] = points
+    pairs = np.stack([placed[:-1], placed[1:]], axis=1)
+    return pairs[~np.isnan(pairs).any(axis=(1, 2))]
+
+
+def _along(heading: Floats) -> Floats:
+    """Rotations (k, 3, 3) that take x to unit headings (k, 3), columns the axes."""
+    steep = np.abs(heading[:, 2]) > 0.9
+    aside = np.where(steep[:, None], (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    left = np.cross(aside, heading)
+    left /= np.linalg.norm(left, axis=1, keepdims=True)
+    return np.stack([heading, left, np.cross(heading, left)], axis=2)
 
 
 def _textures(scene: Scene, styles: list[int]) -> dict[int, Texture]:

@@ -6,7 +6,7 @@ and placed for all their rows together. Nothing is derived and nothing is writte
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -25,7 +25,7 @@ from ipmlang.runtime.export.drawn_assets import (
 from ipmlang.runtime.export.drawn_groups import drawn_groups, paint_order
 from ipmlang.runtime.export.placing import drawing_matrices
 from ipmlang.runtime.export.row_styles import row_sources, row_styles
-from ipmlang.runtime.scene import OUTLINE, SCOPE, SEGMENT, Scene
+from ipmlang.runtime.scene import OUTLINE, PATH, SCOPE, SEGMENT, Scene
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -88,7 +88,12 @@ class _Sheet:
         return Drawing(drawn, self.scene.canvas, width, height, self.effects, notes)
 
     def _primitives(self) -> dict[int, Callable[[Rows, Rows], None]]:
-        return {SEGMENT: self._segments, OUTLINE: self._polygons, SCOPE: self._scopes}
+        return {
+            SEGMENT: self._segments,
+            OUTLINE: self._polygons,
+            PATH: self._paths,
+            SCOPE: self._scopes,
+        }
 
     def _segments(self, rows: Rows, place: Rows) -> None:
         """A line each, from the frame's origin along its x."""
@@ -116,12 +121,26 @@ class _Sheet:
 
     def _polygons(self, rows: Rows, place: Rows) -> None:
         """Turtle polygons, filled; their corners are in the world already."""
-        styles, sources = self._looks(rows, Style(fill=_INSIDE))
         shapes = self.scene.instances.shape[rows].tolist()
-        for index, (shape, at) in enumerate(zip(shapes, place.tolist(), strict=True)):
-            outline = _polygon(self.scene.polygons[shape], self.flip)
-            outline = replace(outline, coords=self._rounded(outline.kind, outline.coords))
-            self.elements[at] = DrawnElement(outline, styles[index], None, sources[index])
+        outlines = [_polygon(self.scene.polygons[shape], self.flip) for shape in shapes]
+        self._outlines(rows, place, outlines, Style(fill=_INSIDE))
+
+    def _paths(self, rows: Rows, place: Rows) -> None:
+        """Turtle paths, one element each, as thin as segments."""
+        shapes = self.scene.instances.shape[rows].tolist()
+        outlines = [_path(self.scene.polygons[shape], self.flip) for shape in shapes]
+        width = self._default_width(np.concatenate([each.coords for each in outlines]))
+        base = Style(fill="none", stroke="#000000", stroke_width=width)
+        self._outlines(rows, place, outlines, base)
+
+    def _outlines(self, rows: Rows, place: Rows, outlines: Sequence[Outline], base: Style) -> None:
+        """An element each."""
+        styles, sources = self._looks(rows, base)
+        for at, outline, style, source in zip(
+            place.tolist(), outlines, styles, sources, strict=True
+        ):
+            rounded = replace(outline, coords=self._rounded(outline.kind, outline.coords))
+            self.elements[at] = DrawnElement(rounded, style, None, source)
 
     def _rounded(self, kind: NDArray[np.uint8], coords: Floats) -> Floats:
         """Points (…, m, 4, 2) with as many decimals as the canvas has; of whole circles the centres
@@ -239,3 +258,17 @@ def _polygon(corners: Floats, flip: float) -> Outline:
     coords[:, 1] = np.roll(coords[:, 0], -1, axis=0)
     kind, starts = np.full(count, LINE, np.uint8), np.array([0, count], np.int32)
     return Outline(kind, coords, starts, np.array([True]))
+
+
+def _path(points: Floats, flip: float) -> Outline:
+    """The open lines through points (m, 2 or 3) of the model, rows of NaN between them."""
+    flat = np.stack([points[:, 0], flip - points[:, 1]], axis=1)
+    drawn = ~np.isnan(points[:-1, 0]) & ~np.isnan(points[1:, 0])
+    coords = np.zeros((int(drawn.sum()), 4, 2))
+    coords[:, 0], coords[:, 1] = flat[:-1][drawn], flat[1:][drawn]
+    lifts = np.flatnonzero(np.isnan(points[:, 0]))
+    parts = np.cumsum(drawn)[np.append(lifts, len(points) - 1) - 1]
+    starts = np.concatenate([[0], parts]).astype(np.int32)
+    return Outline(
+        np.full(len(coords), LINE, np.uint8), coords, starts, np.zeros(len(parts), np.bool_)
+    )

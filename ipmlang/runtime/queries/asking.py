@@ -19,7 +19,7 @@ from ipmlang.runtime.code import Column
 from ipmlang.runtime.limits import Counted
 from ipmlang.runtime.naming import OWN
 from ipmlang.runtime.queries.marks import ASKING, FIELD, FIRST, NAMED, SEEN, Kind, Marks, asked
-from ipmlang.runtime.scene import OUTLINE, SEGMENT
+from ipmlang.runtime.scene import OUTLINES, SEGMENT
 from ipmlang.runtime.scopes.pool import Load
 from ipmlang.runtime.scopes.scoping import Keys, Rows
 from ipmlang.runtime.scopes.unwrapping import Unwrapping
@@ -135,7 +135,7 @@ class Asking(Unwrapping):
         shown: Rows,
     ) -> None:  # fmt: skip
         """Note terminals whose symbol's name some query may ask for."""
-        if self.asked is None or symbol not in self.asked.named or asset in (SEGMENT, OUTLINE):
+        if self.asked is None or symbol not in self.asked.named or asset in (SEGMENT, *OUTLINES):
             return
         self.mark(NAMED, count, float(self.asked.named[symbol]), 0.0,
                   self.with_asset(asset, state), keys, shown)  # fmt: skip

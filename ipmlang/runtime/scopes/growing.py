@@ -21,16 +21,17 @@ from ipmlang.compiler.ops import FUNCTIONS
 from ipmlang.runtime.ancestry import ModuleError
 from ipmlang.runtime.assemble import TEXT_FIELDS, Rows
 from ipmlang.runtime.code import Column
-from ipmlang.runtime.draw import Polygons, drawn_along
+from ipmlang.runtime.draw import drawn_along
 from ipmlang.runtime.fields import first_rotation
 from ipmlang.runtime.grow import grown_from, interpreted
 from ipmlang.runtime.interpret import Stream, stream
 from ipmlang.runtime.naming import OWN
 from ipmlang.runtime.order import Copies as Drawings
 from ipmlang.runtime.order import Drawn, Record
+from ipmlang.runtime.outlines import Polygons
 from ipmlang.runtime.pending import Shapes, taken
 from ipmlang.runtime.rewrite import CLOSE, OPEN, Block, Budget, Copies, Modules, Rewriter
-from ipmlang.runtime.scene import OUTLINE, SCOPE
+from ipmlang.runtime.scene import OUTLINES, SCOPE
 from ipmlang.runtime.scopes.boxes import SIZES, full
 from ipmlang.runtime.scopes.joins import FIELD as JOIN
 from ipmlang.runtime.scopes.pool import NOTHING
@@ -170,7 +171,7 @@ def _drawn(
     sizes = [np.where(rows.asset == SCOPE, columns[name], own)
              for name, own in zip(SIZES, rows.size.T, strict=True)]  # fmt: skip
     shown = np.flatnonzero((rows.asset != SCOPE) | (columns["geo"] != NOTHING))
-    outline = rows.asset == OUTLINE
+    outline = np.isin(rows.asset, OUTLINES)
     columns["geo"] = np.where(outline, rows.shape + len(run.polygons), columns["geo"])
     if JOIN in columns:
         columns[JOIN] = np.where(outline, -1.0, columns[JOIN])
