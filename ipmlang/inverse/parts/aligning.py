@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipmlang.inverse.frames import Floats, Integers
-from ipmlang.inverse.parts.anchors import Anchors
+from ipmlang.inverse.parts.anchors import Anchors, corner_lengths
 from ipmlang.inverse.parts.copies import Copies, Model, Truths, in_same_order, matched
 
 _TRIES = 256  # maps that are tried for one part
@@ -103,8 +103,9 @@ def turns(points: Floats, onto: Floats, sign: Floats | None = None) -> Floats:
 
 
 def _anchored(model: Model, copies: Copies, result: Alignment, rows: Integers) -> None:
-    anchor = Anchors.of(model.copies, model.tolerance)
-    row, corner, forward = anchor.candidates(copies[rows])
+    anchor = Anchors.of(model.copies, corner_lengths(model.copies), model.tolerance)
+    others = copies[rows]
+    row, corner, forward = anchor.candidates(others, corner_lengths(others))
     rank = _ranks(row)
     for turn in range(min(int(rank.max(initial=-1)) + 1, _TRIES)):
         now = (rank == turn) & ~result.found[rows[row]]
@@ -112,7 +113,7 @@ def _anchored(model: Model, copies: Copies, result: Alignment, rows: Integers) -
             if result.found[rows].all():
                 return
             continue
-        linear = anchor.maps(copies[rows], row[now], corner[now], forward[now])
+        linear = anchor.maps(others, row[now], corner[now], forward[now])
         _match(model, copies, result, rows[row[now]], linear, float(anchor.slack[0]))
 
 

@@ -35,10 +35,11 @@ class Anchors:
     tolerance: float
 
     @classmethod
-    def of(cls, models: Copies, tolerance: float) -> Anchors:
-        """The rarest corner of each model among those that stand well apart from the centre."""
+    def of(cls, models: Copies, lengths: Floats, tolerance: float) -> Anchors:
+        """The rarest corner of each model among those that stand well apart from the centre, by the
+        lengths of its corners.
+        """
         row = np.arange(len(models))
-        lengths = _lengths(models)
         points = models.points[row[:, None], models.corners]
         ahead = points[row[:, None], models.after]
         lever = _lever(points, ahead)
@@ -57,11 +58,10 @@ class Anchors:
         known, look = lengths[row, best][:, None], models.look[row, best][:, None]
         return cls(known, look, axes, slack, firm, tolerance)
 
-    def candidates(self, copies: Copies) -> tuple[Integers, Integers, Truths]:
+    def candidates(self, copies: Copies, lengths: Floats) -> tuple[Integers, Integers, Truths]:
         """Row and corner of all that may be the anchor of their model (or of the one there is), and
         whether faces run as the model's do; by rows, those that do first.
         """
-        lengths = _lengths(copies)
         close = 4 * self.tolerance
         seen = (copies.look == self.look) & self.firm[:, None]
         plain = (np.abs(lengths - self.lengths) <= close).all(axis=2) & seen
@@ -88,7 +88,7 @@ def _lever(points: Floats, ahead: Floats) -> Floats:
     return np.asarray(np.sqrt(np.maximum(square - product**2, 0.0)))
 
 
-def _lengths(copies: Copies) -> Floats:
+def corner_lengths(copies: Copies) -> Floats:
     """What corners (k, c, 5) are known by: how far from the centre they and their neighbours are,
     and from these.
     """

@@ -73,13 +73,14 @@ def sheet_of(mesh: Mesh, same: Integers, part: Integers, diagonal: float) -> She
     crowded = np.repeat(count > 2, count)
     forth = here <= here[after]
     number = np.repeat(np.arange(len(count)), count)[crowded]
-    found = facing(mesh, number, order[crowded], after, forth)
-    return Sheet(mesh, part, pairs, *_bends(mesh, pairs), face[found], diagonal)
+    area = area_vectors(mesh)
+    corner = order[crowded]
+    found = facing(mesh, number, corner, area[face[corner]], after, forth)
+    return Sheet(mesh, part, pairs, *_bends(mesh, area, pairs), face[found], diagonal)
 
 
-def _bends(mesh: Mesh, pairs: Integers) -> tuple[Integers, Truths, Truths]:
-    normal = area_vectors(mesh)
-    normal = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+def _bends(mesh: Mesh, area: Floats, pairs: Integers) -> tuple[Integers, Truths, Truths]:
+    normal = area / np.maximum(np.linalg.norm(area, axis=1, keepdims=True), 1e-300)
     sizes = np.diff(mesh.offsets)
     points = mesh.vertices[mesh.corners]
     middle = sums(points, mesh.offsets) / sizes[:, None]
@@ -91,17 +92,16 @@ def _bends(mesh: Mesh, pairs: Integers) -> tuple[Integers, Truths, Truths]:
     return bend, alike > _ONE_PLANE, above > _HOLLOW * np.linalg.norm(way, axis=1)
 
 
-def bounded(sheet: Sheet, parent: Integers, count: int) -> tuple[Truths, Truths]:
+def bounded(sheet: Sheet, parent: Integers, count: int, solids: Integers) -> tuple[Truths, Truths]:
     """(count,) whether the faces of each parent (f,) bound one convex solid, such as a box, a
     cylinder or a cone, which a person takes for one thing; and whether they bound several, which
-    touch in no more than points.
+    touch in no more than points. solids: a face of each piece that hangs together by edges.
     """
     corners = np.bincount(parent, np.diff(sheet.mesh.offsets), count)
     above = parent[sheet.pairs[:, 0]]
     closed = 2 * np.bincount(above, minlength=count) == corners
     hollow = np.bincount(above, sheet.inward, count) > 0
-    _, first = np.unique(by_edges(sheet), return_index=True)
-    many = np.bincount(parent[first], minlength=count)
+    many = np.bincount(parent[solids], minlength=count)
     return closed & ~hollow & (many == 1), closed & (many > 1)
 
 

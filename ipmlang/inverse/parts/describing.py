@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ipmlang.formats.distinct import distinct_rows
 from ipmlang.formats.mesh_types import Mesh
 from ipmlang.inverse.frames import Floats, Integers
 
@@ -45,8 +46,9 @@ def _fills_box(mesh: Mesh, size: Floats) -> bool:
 def _solid_word(mesh: Mesh, size: Floats) -> str:
     """A word for what is as thick as it is wide: round about an axis, or nearly a box."""
     for axis, word in ((2, "Drum"), (0, "Roll"), (1, "Roll")):
-        bottom, top = (_ring(mesh.vertices, axis, level) for level in (0.0, float(size[axis])))
+        bottom = _ring(mesh.vertices, axis, 0.0)
         if _is_round(bottom):
+            top = _ring(mesh.vertices, axis, float(size[axis]))
             wide = TAPERED * np.linalg.norm(np.ptp(bottom, axis=0))
             if axis == 2 and np.linalg.norm(np.ptp(top, axis=0)) <= wide:
                 return "Cone"
@@ -61,7 +63,9 @@ def _ring(points: Floats, axis: int, level: float) -> Floats:
     """(k, 2) the points at a height along an axis."""
     along = points[:, axis]
     near = np.abs(along - level) <= 1e-6 * max(float(np.ptp(along)), 1e-300)
-    return np.unique(np.round(np.delete(points[near], axis, axis=1), 9), axis=0)
+    across = [each for each in range(3) if each != axis]
+    flat = np.round(points[near][:, across], 9)
+    return np.asarray(flat[distinct_rows(flat)[0]])
 
 
 def _is_round(points: Floats) -> bool:

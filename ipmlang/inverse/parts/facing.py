@@ -11,24 +11,29 @@ import numpy as np
 
 from ipmlang.formats.mesh_types import Mesh
 from ipmlang.inverse.frames import Floats, Integers
-from ipmlang.inverse.parts.mending import area_vectors
 
 _SAME = 1e-4  # radians by which faces that lie in one another may seem to part
 
 
 def facing(
-    mesh: Mesh, edge: Integers, corner: Integers, after: Integers, forth: np.ndarray
+    mesh: Mesh,
+    edge: Integers,
+    corner: Integers,
+    area: Floats,
+    after: Integers,
+    forth: np.ndarray,
 ) -> Integers:
     """(q, 2) pairs of corners whose faces bound one solid at an edge.
 
-    edge (k,): number of the edge, ascending, that each of `corner` (k,) begins; after (c,): the
-    next corner of each in its face; forth (c,): whether a corner runs along its edge the way in
-    which the edge counts. Faces look outward.
+    edge (k,): number of the edge, ascending, that each of `corner` (k,) begins; area (k, 3) of
+    their faces along the normals; after (c,): the next corner of each in its face; forth (c,):
+    whether a corner runs along its edge the way in which the edge counts. Faces look outward.
     """
     if not len(edge):
         return np.zeros((0, 2), np.int64)
     runs = forth[corner]
-    angle = _angles(mesh, edge, corner, after, runs)
+    ends = mesh.vertices[mesh.corners[np.stack([corner, after[corner]])]]
+    angle = _angles(edge, ends[1] - ends[0], area, runs)
     order = np.lexsort([angle, edge])
     edge, corner, runs, angle = edge[order], corner[order], runs[order], angle[order]
     # Of faces in one place, the one that ends a solid goes before the one that begins another.
@@ -43,20 +48,13 @@ def facing(
     return np.stack([corner[through], corner[following[through]]], axis=1)
 
 
-def _angles(
-    mesh: Mesh, edge: Integers, corner: Integers, after: Integers, runs: np.ndarray
-) -> Floats:
+def _angles(edge: Integers, along: Floats, area: Floats, runs: np.ndarray) -> Floats:
     """(k,) how far each face is turned about its edge from the first there that begins a solid, in
     radians from 0 to 2 pi.
     """
-    sizes = np.diff(mesh.offsets)
-    face = np.repeat(np.arange(len(sizes)), sizes)[corner]
-    normal = area_vectors(mesh)[face]
-    points = mesh.vertices[mesh.corners]
-    along = points[after[corner]] - points[corner]
     along = _unit(np.where(runs[:, None], along, -along))
     # A face that runs along its edge has its inside on the left of it, seen from outside.
-    inward = _unit(np.cross(np.where(runs[:, None], normal, -normal), along))
+    inward = _unit(np.cross(np.where(runs[:, None], area, -area), along))
     begins = np.lexsort([runs, edge])
     first = begins[np.searchsorted(edge[begins], edge)]
     along = along[first]

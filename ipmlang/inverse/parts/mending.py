@@ -56,6 +56,8 @@ def _kept(mesh: Mesh, keep: NDArray[np.bool_]) -> Mesh:
 
 def area_vectors(mesh: Mesh) -> Floats:
     """The area (f, 3) of each face along its normal."""
+    if len(mesh.corners) == 3 * (len(mesh.offsets) - 1) and (np.diff(mesh.offsets) == 3).all():
+        return _triangle_areas(mesh)
     points = mesh.vertices[mesh.corners]
     arm = points - np.repeat(points[mesh.offsets[:-1]], np.diff(mesh.offsets), axis=0)
     after, _ = neighbours(mesh.offsets)
@@ -65,10 +67,20 @@ def area_vectors(mesh: Mesh) -> Floats:
     return sums(crossed, mesh.offsets) / 2
 
 
+def _triangle_areas(mesh: Mesh) -> Floats:
+    """The same where all faces are triangles, several times quicker."""
+    one, two, three = mesh.corners.reshape(-1, 3).T.copy()
+    columns = mesh.vertices.T.copy()
+    x, y, z = (column[two] - column[one] for column in columns)
+    u, v, w = (column[three] - column[one] for column in columns)
+    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1) / 2 + 0.0
+
+
 def _without_area(mesh: Mesh, same: Integers, diagonal: float) -> NDArray[np.bool_]:
     """Faces that are a line or a point."""
     after, _ = neighbours(mesh.offsets)
-    ahead = mesh.vertices[mesh.corners[after]] - mesh.vertices[mesh.corners]
+    points = mesh.vertices[mesh.corners]
+    ahead = points[after] - points
     longest = np.sqrt(np.maximum.reduceat(np.einsum("ci,ci->c", ahead, ahead), mesh.offsets[:-1]))
     area = np.linalg.norm(area_vectors(mesh), axis=1)
     point = same[mesh.corners]

@@ -30,7 +30,7 @@ from ipmlang.inverse.parts.cutting import (
     sheet_of,
 )
 from ipmlang.inverse.parts.invariants import alike, centers
-from ipmlang.inverse.parts.pieces import sorted_pieces
+from ipmlang.inverse.parts.pieces import Pieces, sorted_pieces
 from ipmlang.inverse.parts.soup import corners_of
 
 _LEAST, _MOST = 8, 60_000  # faces of parts that are tried, of one and of all in a round
@@ -70,14 +70,14 @@ def segmented(
     given = part
     fresh = np.ones(int(part.max()) + 1, np.bool_)
     for _ in range(_ROUNDS):
-        pieces = sorted_pieces(mesh, same, part, False)
-        groups = alike(pieces, centers(pieces), tolerance)
-        faces = np.diff(pieces.face_start)
+        faces = np.bincount(part)
         fit = fresh & (faces >= _LEAST) & (faces <= _MOST)
-        worth = _largest([rows for rows in groups if fit[rows[0]]], faces)
-        first = np.array([rows[0] for rows in worth], np.int64)
-        times = np.array([len(rows) for rows in worth], np.int64)
-        choice = _choices(mesh, same, part, (first, times), diagonal, tolerance)
+        worth, cost = _worth(mesh, same, part, fit, tolerance)
+        if not worth:
+            break
+        first = np.array([group[0] for group in worth], np.int64)
+        times = np.array([len(group) for group in worth], np.int64)
+        choice = _choices(mesh, same, part, (first, times, cost), diagonal, tolerance)
         finer = part.copy()
         for number, trial in enumerate(_TRIALS):
             rows = [group for group, chosen in zip(worth, choice, strict=True) if chosen == number]
@@ -94,6 +94,30 @@ def segmented(
     if not count:
         return given, ()
     return part, (Note("segmented", "parts were cut where their pieces repeat", count),)
+
+
+def _worth(
+    mesh: Mesh, same: Integers, part: Integers, fit: Truths, tolerance: float
+) -> tuple[list[Integers], Floats]:
+    """The largest kinds of parts of which the first is fit to be tried: the parts of each, and the
+    numbers that such a shape takes.
+    """
+    faces = np.bincount(part)
+    like = np.isin(faces, faces[fit])  # what is like a part has as many faces
+    if not fit.any():
+        return [], np.zeros(0)
+    number = np.cumsum(like) - 1
+    rows = np.flatnonzero(like[part])
+    pieces = sorted_pieces(_some(mesh, rows, True), same, number[part[rows]], False)
+    groups = [np.flatnonzero(like)[each] for each in alike(pieces, centers(pieces), tolerance)]
+    worth = _largest([group for group in groups if fit[group[0]]], faces)
+    first = number[[group[0] for group in worth]]
+    return worth, _numbers(pieces)[first]
+
+
+def _numbers(pieces: Pieces) -> Floats:
+    """(n,) numbers that say each piece: its points and the corners of its faces."""
+    return np.asarray(3.0 * np.diff(pieces.vertex_start) + np.diff(pieces.corner_start))
 
 
 def _largest(groups: list[Integers], faces: Integers) -> list[Integers]:
@@ -120,7 +144,9 @@ def _sheet(mesh: Mesh, same: Integers, part: Integers, faces: Integers, diagonal
     return sheet_of(_some(mesh, faces), same, part[faces], diagonal)
 
 
-def _some(mesh: Mesh, faces: Integers) -> Mesh:
+def _some(mesh: Mesh, faces: Integers, keep_uv: bool = False) -> Mesh:
+    if len(faces) == len(mesh.material):
+        return mesh if keep_uv else replace(mesh, uv=None, normals=None)
     sizes = np.diff(mesh.offsets)[faces]
     corner = corners_of(mesh.offsets, faces)
     return replace(
@@ -129,7 +155,7 @@ def _some(mesh: Mesh, faces: Integers) -> Mesh:
         offsets=np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64),
         material=mesh.material[faces],
         group=mesh.group[faces],
-        uv=None,
+        uv=mesh.uv[corner] if keep_uv and mesh.uv is not None else None,
         normals=None,
     )
 
@@ -138,30 +164,30 @@ def _choices(
     mesh: Mesh,
     same: Integers,
     part: Integers,
-    kinds: tuple[Integers, Integers],
+    kinds: tuple[Integers, Integers, Floats],
     diagonal: float,
     tolerance: float,
 ) -> Integers:
-    """For each kind of part, given by the row of one of them and how many there are, the number of
-    the cut that pays most, -1 for none.
+    """For each kind of part, given by the row of one of them, how many there are and the numbers
+    that its shape takes, the number of the cut that pays most, -1 for none.
     """
-    rows, times = kinds
+    rows, times, numbers = kinds
     choice = np.full(len(rows), -1)
-    if not len(rows):
-        return choice
     sheet = _sheet(mesh, same, part, np.flatnonzero(np.isin(part, rows)), diagonal)
     order = np.argsort(rows)
     parent = order[np.searchsorted(rows[order], sheet.part)]
     least = np.ones(len(rows))
-    convex, several = bounded(sheet, parent, len(rows))
+    labels = [distinct_numbers(trial.cut(sheet)) for trial in _TRIALS]
+    convex, several = bounded(sheet, parent, len(rows), labels[_EDGES][0])
     choice[several] = _EDGES
-    whole = _shapes(sheet, same, parent, parent, tolerance)[0] + _PLACE * times
-    for number, trial in enumerate(_TRIALS):
-        first, label = distinct_numbers(trial.cut(sheet))
+    whole = numbers + _PLACE * times
+    for number, (trial, (first, label)) in enumerate(zip(_TRIALS, labels, strict=True)):
         many = np.bincount(parent[first], minlength=len(rows))
         places = trial.place * many * times
-        bound = places + _least_costs(sheet, parent, label)
-        hopeful = (many > 2) & ~convex & ~several & (bound < np.minimum(trial.share, least) * whole)
+        hopeful = (many > 2) & ~convex & ~several
+        if hopeful.any():
+            bound = places + _least_costs(sheet, parent, label)
+            hopeful &= bound < np.minimum(trial.share, least) * whole
         if not hopeful.any():
             continue
         faces = np.flatnonzero(hopeful[parent])
@@ -175,7 +201,8 @@ def _choices(
         choice[better], least[better] = number, share[better]
     left = ~convex & ~several & (choice < 0)
     if left.any():
-        choice[_shared(sheet, same, parent, left, whole, times, tolerance)] = _OWN
+        own = labels[_OWN][1]
+        choice[_shared(sheet, same, parent, own, left, whole, times, tolerance)] = _OWN
     return choice
 
 
@@ -183,18 +210,22 @@ def _shared(
     sheet: Sheet,
     same: Integers,
     parent: Integers,
+    label: Integers,
     fit: Truths,
     whole: Floats,
     times: Integers,
     tolerance: float,
 ) -> Truths:
-    """Of the parents that fit, those that fall by the file's own vertices into pieces that others
-    have, too: books on shelves, of which no two rows are alike.
+    """Of the parents that fit, those that fall by the file's own vertices into pieces, which the
+    label tells apart, that others have, too: books on shelves, of which no two rows are alike.
     """
     trial = _TRIALS[_OWN]
-    above, of, kinds, own = _kinds(sheet, same, parent, trial.cut(sheet), tolerance)
-    many = np.bincount(above, minlength=len(whole))
+    first, _ = distinct_numbers(label)
+    many = np.bincount(parent[first], minlength=len(whole))
     fit = fit & (many > 1)
+    if not fit.any():
+        return fit
+    above, of, kinds, own = _kinds(sheet, same, parent, label, tolerance)
     while True:  # what one of them saves hangs on the others
         holders = np.bincount(kinds[(fit | (many == 1))[of]], minlength=len(above))
         shared = own / np.maximum(holders[kinds], 1)
@@ -240,6 +271,6 @@ def _kinds(
     kind = np.zeros(len(pieces), np.int64)
     for number, rows in enumerate(alike(pieces, centers(pieces), tolerance)):
         kind[rows] = number
-    own = 3.0 * np.diff(pieces.vertex_start) + np.diff(pieces.corner_start)
+    own = _numbers(pieces)
     first, _ = distinct_numbers(above * len(pieces) + kind)
     return above, above[first], kind[first], own[first]

@@ -13,7 +13,7 @@ import numpy as np
 
 from ipmlang.inverse.frames import Floats, Integers
 from ipmlang.inverse.parts.aligning import refined
-from ipmlang.inverse.parts.anchors import Anchors
+from ipmlang.inverse.parts.anchors import Anchors, corner_lengths
 from ipmlang.inverse.parts.copies import Model, Truths, matched
 
 _BATCH = 1_000_000  # corners compared at a time
@@ -40,8 +40,9 @@ def self_maps(models: Model, most: int) -> list[SelfMaps]:
     count, corners = copies.corners.shape
     if corners > _LARGEST:
         return [_alone(models, False)] * count
-    anchors = Anchors.of(copies, models.tolerance)
-    row, corner, forward = anchors.candidates(copies)
+    lengths = corner_lengths(copies)
+    anchors = Anchors.of(copies, lengths, models.tolerance)
+    row, corner, forward = anchors.candidates(copies, lengths)
     linear = anchors.maps(copies, row, corner, forward)
     many = np.bincount(row, minlength=count)
     whole = (many <= most) & (many * corners <= _MOST_WORK)
