@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ipmlang.inverse.frames import Frames, Integers, compose, inverse
+from ipmlang.inverse.frames import Floats, Frames, Integers, compose, inverse
 from ipmlang.inverse.parts.observation import Likeness, Parts
 from ipmlang.inverse.split.changing import needed
 from ipmlang.inverse.split.cost import ASSET, SHAPE, item_tokens
@@ -28,11 +28,13 @@ def separated(scheme: Scheme, parts: Parts, small: float) -> Scheme:
     they were before some stood for others; small: units that are printed as nothing.
     """
     symbols = list(scheme.symbols)
+    drawn = _drawn(symbols)
     for each in parts.likenesses:
         terminal = next((k for k, it in enumerate(symbols) if _draws(it, each.of)), None)
         if terminal is not None:
-            found = _without(symbols, terminal, each, parts, small)
-            symbols = symbols if found is None else found
+            found = _without(symbols, drawn, terminal, each, parts, small)
+            if found is not None:
+                symbols, drawn = found, _drawn(found)
     return Scheme(needed(symbols, len(symbols) - 1)[0], scheme.frame)
 
 
@@ -58,16 +60,21 @@ class _Use:
 
 
 def _without(
-    symbols: list[Symbol], terminal: int, like: Likeness, parts: Parts, small: float
+    symbols: list[Symbol],
+    drawn: _Drawn,
+    terminal: int,
+    like: Likeness,
+    parts: Parts,
+    small: float,
 ) -> list[Symbol] | None:
     """The symbols with a terminal for these copies, None where it is not shorter or cannot be."""
-    uses = _uses(symbols, terminal, float(like.frame.scale[0]))
+    uses = _uses(symbols, drawn, terminal, float(like.frame.scale[0]))
     if uses is None or sum(int(use.copies.sum()) for use in uses) != len(
         parts.classes[like.shape].members
     ):
         return None
     own = [_items(symbols, use, like) for use in uses]
-    old = [_item(symbols, use) for use in uses]
+    old = [_item(symbols, use.rule, use.item) for use in uses]
     kept = [item for one, _ in own for item in one]
     made = [item for _, other in own for item in other]
     if _tokens(kept, small) + _tokens(made, small) + ASSET + SHAPE >= _tokens(old, small):
@@ -75,51 +82,62 @@ def _without(
     return _rebuilt(symbols, terminal, like, parts, uses, own)
 
 
-def _uses(symbols: Sequence[Symbol], terminal: int, factor: float) -> list[_Use] | None:
-    """The items that place a terminal; None where one draws copies of this size that may not
-    have a terminal of their own: in growing rows, and in rules that are drawn in several sizes.
+@dataclass(frozen=True, slots=True, eq=False)
+class _Drawn:
+    """For each symbol: sizes (k,) in which it is drawn, equal ones once; places: the rules and
+    their items that place it, with the scales (n,) of the copies there.
     """
-    sizes = _sizes(symbols)
-    uses = []
-    for number, symbol in enumerate(symbols):
-        for place, item in enumerate(symbol.items if isinstance(symbol, Rule) else ()):
-            for inner, frames in placements(item):
-                if inner == terminal:
-                    every = frames.scale[None] * sizes[number][:, None]
-                    copies = np.abs(every / factor - 1) < SAME
-                    if copies.any() and (len(every) > 1 or not isinstance(item, Place | Array)):
-                        return None
-                    if isinstance(item, Array) and copies.any() and not copies.all():
-                        return None
-                    uses.append(_Use(number, place, np.asarray(copies.any(axis=0))))
-    return uses
+
+    sizes: list[Floats]
+    places: list[list[tuple[int, int, Floats]]]
 
 
-def _sizes(symbols: Sequence[Symbol]) -> list[NDArray[np.float64]]:
-    """For each symbol the sizes (k,) in which it is drawn, equal ones once."""
+def _drawn(symbols: Sequence[Symbol]) -> _Drawn:
+    """How symbols are drawn, from the axiom down."""
     sizes: list[list[float]] = [[] for _ in symbols]
+    places: list[list[tuple[int, int, Floats]]] = [[] for _ in symbols]
     sizes[-1] = [1.0]
     for number in range(len(symbols) - 1, -1, -1):
         symbol = symbols[number]
         own = np.unique(np.round(sizes[number], 6))
-        for item in symbol.items if isinstance(symbol, Rule) else ():
+        for place, item in enumerate(symbol.items if isinstance(symbol, Rule) else ()):
             for inner, frames in placements(item):
+                places[inner].append((number, place, frames.scale))
                 scale = np.unique(np.round(frames.scale, 9))
                 sizes[inner] += (own[:, None] * scale[None]).ravel().tolist()
-    return [np.unique(np.round(each, 6)) for each in sizes]
+    return _Drawn([np.unique(np.round(each, 6)) for each in sizes], places)
 
 
-def _item(symbols: Sequence[Symbol], use: _Use) -> Item:
-    rule = symbols[use.rule]
-    assert isinstance(rule, Rule)
-    return rule.items[use.item]
+def _uses(
+    symbols: Sequence[Symbol], drawn: _Drawn, terminal: int, factor: float
+) -> list[_Use] | None:
+    """The items that place a terminal; None where one draws copies of this size that may not
+    have a terminal of their own: in growing rows, and in rules that are drawn in several sizes.
+    """
+    uses = []
+    for number, place, scale in sorted(drawn.places[terminal], key=lambda each: each[:2]):
+        item = _item(symbols, number, place)
+        every = scale[None] * drawn.sizes[number][:, None]
+        copies = np.abs(every / factor - 1) < SAME
+        if copies.any() and (len(every) > 1 or not isinstance(item, Place | Array)):
+            return None
+        if isinstance(item, Array) and copies.any() and not copies.all():
+            return None
+        uses.append(_Use(number, place, np.asarray(copies.any(axis=0))))
+    return uses
+
+
+def _item(symbols: Sequence[Symbol], rule: int, place: int) -> Item:
+    symbol = symbols[rule]
+    assert isinstance(symbol, Rule)
+    return symbol.items[place]
 
 
 def _items(
     symbols: Sequence[Symbol], use: _Use, like: Likeness
 ) -> tuple[list[Item], list[Place | Array]]:
     """What stays of an item, and what of it draws the copies, with symbol -1."""
-    item = _item(symbols, use)
+    item = _item(symbols, use.rule, use.item)
     if not use.copies.any():
         return [item], []
     back = inverse(like.frame)

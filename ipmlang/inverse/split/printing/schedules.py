@@ -10,23 +10,26 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from ipmlang.compiler import ast
+from ipmlang.inverse.frames import Integers
 from ipmlang.inverse.naming import Names
 from ipmlang.inverse.split.placing import Spot, placed
-from ipmlang.inverse.split.printing.tables import (
-    Layout,
-    behind,
-    grouped,
-    layout_of,
+from ipmlang.inverse.split.printing.counting import (
+    SCALE,
+    TURNS,
+    Ledger,
+    columns,
+    ledger,
     pays,
-    row_tokens,
-    spot_tokens,
-    tabled,
     tokens_of,
 )
-from ipmlang.inverse.split.wording import is_nothing
+from ipmlang.inverse.split.printing.tables import behind, grouped, layout_of, tabled
 
 SHAPE = "shape"
+AXES = np.array([1, 2, 4])  # bits of what is turned about x, y and z
+UPRIGHT = 4
 FEWEST = 3  # rows that are worth a schedule
 
 
@@ -39,27 +42,32 @@ class Copies:
     spots: tuple[Spot, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class _Unit:
-    """Spots of one symbol that stay together; alone: tokens that they take by themselves."""
+    """Spots of one symbol that stay together, by their rows; alone: tokens that they take by
+    themselves; mirrored, scaled: whether they are; about: what any of them is turned about, a bit
+    for each axis.
+    """
 
     owner: int
-    spots: tuple[Spot, ...]
+    rows: Integers
     alone: int
+    mirrored: bool
+    scaled: bool
+    about: int
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class _Schedule:
-    """Units that share a table, and how their spots become its rows."""
+    """Units that share a table, and the tokens that it saves."""
 
     units: tuple[_Unit, ...]
-    layout: Layout
-    tokens: int
+    gain: int
 
     @property
-    def gain(self) -> int:
-        """Tokens that it saves."""
-        return sum(unit.alone for unit in self.units) - self.tokens
+    def rows(self) -> Integers:
+        """The spots of all units."""
+        return np.concatenate([unit.rows for unit in self.units])
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,117 +81,132 @@ class Arrangement:
 
 def arrangement(copies: Sequence[Copies], title: str, names: Names) -> Arrangement:
     """The shortest way to place all copies; title: what a schedule is called, as a wish."""
-    units = [unit for owner, each in enumerate(copies) for unit in _units(owner, each)]
-    schedules = _schedules([unit for unit in units if _may_share(copies, unit)])
+    spots = [spot for each in copies for spot in each.spots]
+    own = ledger(spots)
+    ends = np.cumsum([len(each.spots) for each in copies], dtype=np.int64)
+    units = [
+        list(_units(own, owner, np.arange(end - len(each.spots), end)))
+        for owner, (each, end) in enumerate(zip(copies, ends.tolist(), strict=True))
+    ]
+    schedules = _schedules(
+        own, [unit for each in units for unit in each if _may_share(copies, unit)]
+    )
     shared = {id(unit) for schedule in schedules for unit in schedule.units}
     first: list[ast.Element] = []
     tables: list[ast.Table] = []
     for schedule in schedules:
-        table = _table(copies, schedule, names.give(title))
-        body = behind(schedule.layout.common, (ast.Module(f"at.{SHAPE}"),))
+        element, table = _scheduled(copies, spots, own, schedule, names.give(title))
         tables.append(table)
-        first.append(ast.Repeat(ast.Rows("at", table.name, places=True), body))
-    own: list[tuple[ast.Element, ...]] = []
-    for owner, each in enumerate(copies):
+        first.append(element)
+    singly: list[tuple[ast.Element, ...]] = []
+    for each, parts in zip(copies, units, strict=True):
         elements: list[ast.Element] = []
-        for unit in units:
-            if unit.owner != owner or id(unit) in shared:
+        for unit in parts:
+            if id(unit) in shared:
                 continue
-            if pays(unit.spots):
-                element, table = tabled(unit.spots, each.inner, each.name, names)
+            if pays(own, unit.rows):
+                element, table = tabled(spots, own, unit.rows, each.inner, each.name, names)
                 elements.append(element)
                 tables.append(table)
             else:
-                elements += [placed(spot, each.inner) for spot in unit.spots]
-        own.append(tuple(elements))
-    return Arrangement(tuple(first), tuple(own), tuple(tables))
+                elements += [placed(spots[row], each.inner) for row in unit.rows.tolist()]
+        singly.append(tuple(elements))
+    return Arrangement(tuple(first), tuple(singly), tuple(tables))
 
 
-def _units(owner: int, copies: Copies) -> Iterator[_Unit]:
+def _units(own: Ledger, owner: int, rows: Integers) -> Iterator[_Unit]:
     """The tables that a symbol would have by itself, and its copies that would be in none."""
-    for group in grouped(copies.spots):
-        if pays(group):
-            yield _Unit(owner, tuple(group), tokens_of(group))
-        else:
-            yield from (_Unit(owner, (spot,), spot_tokens(spot)) for spot in group)
+    about = own.said[:, TURNS] @ AXES
+    for group in grouped(own, rows):
+        hand = bool(own.mirrored[group[0]])
+        scaled = own.said[group, SCALE]
+        if pays(own, group):
+            every = int(np.bitwise_or.reduce(about[group]))
+            yield _Unit(owner, group, tokens_of(own, group), hand, bool(scaled.any()), every)
+            continue
+        each = own.alone[group].tolist(), scaled.tolist(), about[group].tolist()
+        for k, (tokens, grows, axes) in enumerate(zip(*each, strict=True)):
+            yield _Unit(owner, group[k : k + 1], tokens, hand, grows, axes)
 
 
 def _may_share(copies: Sequence[Copies], unit: _Unit) -> bool:
     """Whether a schedule may hold a unit: a plain symbol, that stands elsewhere than at home."""
-    return len(copies[unit.owner].inner) == 1 and unit.alone > len(unit.spots)
+    return len(copies[unit.owner].inner) == 1 and unit.alone > len(unit.rows)
 
 
-def _schedules(units: Sequence[_Unit]) -> list[_Schedule]:
+def _schedules(own: Ledger, units: Sequence[_Unit]) -> list[_Schedule]:
     """The schedules that save most: of each hand one, or one for each way to be turned; what is
     scaled is apart.
     """
     found: list[_Schedule] = []
+    known: dict[tuple[int, ...], _Schedule | None] = {}
+
+    def grown(group: Sequence[_Unit]) -> _Schedule | None:
+        key = tuple(map(id, group))
+        if key not in known:
+            known[key] = _grown(own, group)
+        return known[key]
+
     for mirrored, scaled in ((False, False), (True, False), (False, True), (True, True)):
-        own = [
-            unit
-            for unit in units
-            if unit.spots[0].mirrored == mirrored and _is_scaled(unit) == scaled
+        some = [unit for unit in units if (unit.mirrored, unit.scaled) == (mirrored, scaled)]
+        ways = [
+            [each for group in way if (each := grown(group)) is not None and each.gain > 0]
+            for way in _ways(some)
         ]
-        ways = [_best(way) for way in _ways(own)]
         found += max(ways, key=lambda way: sum(each.gain for each in way), default=[])
     return found
 
 
-def _is_scaled(unit: _Unit) -> bool:
-    return any(spot.scale is not None for spot in unit.spots)
-
-
 def _ways(units: Sequence[_Unit]) -> Iterator[list[list[_Unit]]]:
     """All together; those about no axis or z, and the rest; those about no axis apart from them."""
-    upright = [unit for unit in units if _about(unit) <= {2}]
-    rest = [unit for unit in units if not _about(unit) <= {2}]
-    plain = [unit for unit in upright if not _about(unit)]
-    turned = [unit for unit in upright if _about(unit)]
+    upright = [unit for unit in units if unit.about in (0, UPRIGHT)]
+    rest = [unit for unit in units if unit.about not in (0, UPRIGHT)]
+    plain = [unit for unit in upright if not unit.about]
+    turned = [unit for unit in upright if unit.about]
     yield [list(units)]
     yield [upright, rest]
     yield [plain, turned, rest]
     yield [plain, [*turned, *rest]]
 
 
-def _about(unit: _Unit) -> set[int]:
-    """The axes that its copies are turned about."""
-    return {axis for spot in unit.spots for axis in range(3) if not is_nothing(spot.turn[axis])}
-
-
-def _best(way: Sequence[Sequence[_Unit]]) -> list[_Schedule]:
-    """Of each group the schedule that saves most, where one saves anything."""
-    found = (_grown(group) for group in way if group)
-    return [each for each in found if each is not None and each.gain > 0]
-
-
-def _grown(units: Sequence[_Unit]) -> _Schedule | None:
+def _grown(own: Ledger, units: Sequence[_Unit]) -> _Schedule | None:
     """A schedule of what is written out otherwise, and of the tables that are shorter in it."""
-    chosen = [unit for unit in units if len(unit.spots) == 1]
+    chosen = [unit for unit in units if len(unit.rows) == 1]
     if not chosen:
         return None
-    best = _schedule(chosen)
-    for unit in sorted(units, key=lambda each: len(each.spots)):
-        if len(unit.spots) > 1:
-            more = _schedule([*best.units, unit])
+    best = _schedule(own, chosen)
+    for unit in sorted(units, key=lambda each: len(each.rows)):
+        if len(unit.rows) > 1:
+            more = _schedule(own, [*best.units, unit])
             best = more if more.gain > best.gain else best
     for unit in list(best.units):
         fewer = [each for each in best.units if each is not unit]
         if len(fewer) >= FEWEST:
-            less = _schedule(fewer)
+            less = _schedule(own, fewer)
             best = less if less.gain >= best.gain else best
-    return best if sum(len(unit.spots) for unit in best.units) >= FEWEST else None
+    return best if len(best.rows) >= FEWEST else None
 
 
-def _schedule(units: Sequence[_Unit]) -> _Schedule:
-    spots = [spot for unit in units for spot in unit.spots]
-    layout = layout_of(spots)
-    return _Schedule(tuple(units), layout, row_tokens(spots, layout) + 1 + len(spots))
+def _schedule(own: Ledger, units: Sequence[_Unit]) -> _Schedule:
+    rows = np.concatenate([unit.rows for unit in units])
+    tokens = columns(own, rows).tokens + 1 + len(rows)
+    return _Schedule(tuple(units), sum(unit.alone for unit in units) - tokens)
 
 
-def _table(copies: Sequence[Copies], schedule: _Schedule, name: str) -> ast.Table:
+def _scheduled(
+    copies: Sequence[Copies],
+    spots: Sequence[Spot],
+    own: Ledger,
+    schedule: _Schedule,
+    name: str,
+) -> tuple[ast.Element, ast.Table]:
+    """A repeat over the table of a schedule, and the table."""
+    layout = layout_of(spots, own, schedule.rows)
     rows = [
-        (ast.Name(copies[unit.owner].name), *schedule.layout.cells(spot))
+        (ast.Name(copies[unit.owner].name), *layout.cells(spots[row]))
         for unit in sorted(schedule.units, key=lambda each: each.owner)
-        for spot in unit.spots
+        for row in unit.rows.tolist()
     ]
-    return ast.Table(name, columns=(SHAPE, *schedule.layout.columns), rows=tuple(rows))
+    body = behind(layout.common, (ast.Module(f"at.{SHAPE}"),))
+    table = ast.Table(name, columns=(SHAPE, *layout.columns), rows=tuple(rows))
+    return ast.Repeat(ast.Rows("at", name, places=True), body), table

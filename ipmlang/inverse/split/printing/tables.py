@@ -9,19 +9,26 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from ipmlang.compiler import ast
+from ipmlang.inverse.frames import Integers
 from ipmlang.inverse.naming import Names
 from ipmlang.inverse.split.placing import Spot, placed, steps_to
-from ipmlang.inverse.split.wording import NOTHING, Vector, all_nothing, is_nothing
+from ipmlang.inverse.split.printing.counting import (
+    TURNS,
+    Ledger,
+    columns,
+    ledger,
+    pays,
+    tokens_of,
+)
+from ipmlang.inverse.split.wording import NOTHING, Vector
 from ipmlang.inverse.wording import several, stem
 
 AXES = (0, 1, 2)
-SHIFTS = ("x", "y", "z")
-TURNS = ("rx", "ry", "rz")
+NAMES = ("x", "y", "z", "rx", "ry", "rz")  # of columns, by axis of the place and of the turn
 SCALE = "scale"
-FEWEST = 3  # rows that are worth a table's name
-HEAD = 13  # tokens of `table T() =` and of `repeat(at T) { A }`
-STEP = 6  # `translate(x, y, z)` or `rotate(a, b, c)` without signs
 APART = 4  # turns that may have a table each while the rest share one
 
 
@@ -44,7 +51,7 @@ class Layout:
     @property
     def columns(self) -> tuple[str, ...]:
         """Their names."""
-        names = [SHIFTS[axis] for axis in self.shifts] + [TURNS[axis] for axis in self.turns]
+        names = [NAMES[axis] for axis in self.shifts] + [NAMES[axis + 3] for axis in self.turns]
         return (*names, SCALE) if self.scaled else tuple(names)
 
 
@@ -56,28 +63,29 @@ def cheapest(
     """
     elements: list[ast.Element] = []
     tables: list[ast.Table] = []
-    for group in grouped(found):
-        if pays(group):
-            element, table = tabled(group, inner, name, names)
+    own = ledger(found)
+    for rows in grouped(own, np.arange(len(found))):
+        if pays(own, rows):
+            element, table = tabled(found, own, rows, inner, name, names)
             tables.append(table)
             elements.append(element)
         else:
-            elements += [placed(spot, inner) for spot in group]
+            elements += [placed(found[row], inner) for row in rows.tolist()]
     return elements, tables
 
 
-def pays(group: Sequence[Spot]) -> bool:
-    """Whether a table of these spots is shorter than they are one by one."""
-    return len(group) >= FEWEST and tokens_of(group) < sum(map(spot_tokens, group))
-
-
 def tabled(
-    group: Sequence[Spot], inner: Sequence[ast.Element], name: str, names: Names
+    found: Sequence[Spot],
+    own: Ledger,
+    rows: Integers,
+    inner: Sequence[ast.Element],
+    name: str,
+    names: Names,
 ) -> tuple[ast.Element, ast.Table]:
-    """A repeat over the table of a group, and the table."""
-    layout = layout_of(group)
-    rows = tuple(layout.cells(spot) for spot in group)
-    table = ast.Table(names.give(_title(name)), columns=layout.columns, rows=rows)
+    """A repeat over the table of some of the spots, and the table."""
+    layout = layout_of(found, own, rows)
+    cells = tuple(layout.cells(found[row]) for row in rows.tolist())
+    table = ast.Table(names.give(_title(name)), columns=layout.columns, rows=cells)
     head = ast.Rows("at", table.name, places=True)
     return ast.Repeat(head, behind(layout.common, inner)), table
 
@@ -94,90 +102,57 @@ def _title(name: str) -> str:
     return things if plain else f"{stem(name)}_places"
 
 
-def grouped(found: Sequence[Spot]) -> list[list[Spot]]:
+def grouped(own: Ledger, rows: Integers) -> list[Integers]:
     """Spots that one table could hold, those of each hand in the shortest of some ways."""
-    groups: list[list[Spot]] = []
+    groups: list[Integers] = []
     for mirrored in (False, True):
-        own = [spot for spot in found if spot.mirrored == mirrored]
-        if own:
-            groups += min(_ways(own), key=lambda way: sum(map(tokens_of, way)))
+        some = rows[own.mirrored[rows] == mirrored]
+        if len(some):
+            groups += _shortest(own, some)
     return groups
 
 
-def _ways(own: list[Spot]) -> Iterator[list[list[Spot]]]:
+def _shortest(own: Ledger, rows: Integers) -> list[Integers]:
+    """The way to tell spots apart that takes fewest tokens, of equally short ones the first."""
+    known: dict[bytes, int] = {}
+
+    def tokens(way: list[Integers]) -> int:
+        for group in way:
+            if group.tobytes() not in known:
+                known[group.tobytes()] = tokens_of(own, group)
+        return sum(known[group.tobytes()] for group in way)
+
+    return min(_ways(own, rows), key=tokens)
+
+
+def _ways(own: Ledger, rows: Integers) -> Iterator[list[Integers]]:
     """Ways to tell spots apart: the most frequent turns each alone, the rest together, or those
     about each axis together.
     """
-    turns: dict[tuple[object, object], list[Spot]] = {}
-    for spot in own:
-        turns.setdefault((spot.turn, spot.scale), []).append(spot)
-    ranked = sorted(turns.values(), key=len, reverse=True)
+    turned = _by_row(rows, own.values[rows, TURNS.start :])
+    ranked = sorted(turned, key=len, reverse=True)
     for count in [*range(min(APART, len(ranked))), len(ranked)]:
-        rest = [spot for group in ranked[count:] for spot in group]
-        yield [*ranked[:count], *([rest] if rest else [])]
-        about: dict[tuple[bool, ...], list[Spot]] = {}
-        for spot in rest:
-            about.setdefault(tuple(map(is_nothing, spot.turn)), []).append(spot)
-        yield [*ranked[:count], *about.values()]
+        rest = np.concatenate([rows[:0], *ranked[count:]])
+        yield [*ranked[:count], *([rest] if len(rest) else [])]
+        yield [*ranked[:count], *_by_row(rest, own.said[rest, TURNS])]
 
 
-def tokens_of(group: Sequence[Spot]) -> int:
-    """Of a group, in rows or one by one."""
-    alone = sum(map(spot_tokens, group))
-    return alone if len(group) < FEWEST else min(alone, row_tokens(group, layout_of(group)))
+def _by_row(rows: Integers, table: np.ndarray) -> list[Integers]:
+    """Rows for which a table (n, c) says the same, together, by the first of each kind."""
+    kinds: dict[bytes, list[int]] = {}
+    for row, said in zip(rows.tolist(), np.ascontiguousarray(table), strict=True):
+        kinds.setdefault(said.tobytes(), []).append(row)
+    return [np.array(each, np.int64) for each in kinds.values()]
 
 
-def spot_tokens(spot: Spot) -> int:
-    """Tokens of a copy that is written out."""
-    inside = _step_tokens(spot)
-    return inside + 3 if inside else 1
-
-
-def _step_tokens(spot: Spot) -> int:
-    """Of the operations that lead to a spot."""
-    steps = sum(STEP + _signs(each) for each in (spot.place, spot.turn) if not all_nothing(each))
-    return steps + spot.mirrored + 4 * (spot.scale is not None)
-
-
-def _signs(values: Sequence[ast.Expr]) -> int:
-    return sum(isinstance(each, ast.Number) and each.value < 0 for each in values)
-
-
-def row_tokens(group: Sequence[Spot], layout: Layout) -> int:
-    """Tokens of copies that are rows of a table."""
-    cells = [cell for spot in group for cell in layout.cells(spot)]
-    common = _step_tokens(layout.common) + 2 * (layout.common.scale is not None)
-    return HEAD + len(layout.columns) + len(cells) + _signs(cells) + common
-
-
-def layout_of(group: Sequence[Spot]) -> Layout:
-    """The shorter way to say what all have in common: behind the table, or in it."""
-    varying = tuple(axis for axis in AXES if _differ([spot.place[axis] for spot in group]))
-    common = [axis for axis in AXES if axis not in varying and not is_nothing(group[0].place[axis])]
-    turned = _differ([spot.turn for spot in group])
-    scaled = _differ([spot.scale for spot in group])
-    every = [axis for axis in AXES if any(not is_nothing(spot.turn[axis]) for spot in group)]
-    turns = tuple(every) if turned or scaled else ()
-    within = _laid(group, tuple(sorted({*varying, *common})), turns, scaled)
-    behind = _laid(group, varying, turns, scaled)
-    if not common or scaled or (turns and common != list(turns)):
-        return within
-    return min(behind, within, key=lambda each: row_tokens(group, each))
-
-
-def _laid(
-    group: Sequence[Spot], shifts: tuple[int, ...], turns: tuple[int, ...], scaled: bool
-) -> Layout:
-    """The layout with these columns."""
-    first = group[0]
-    x, y, z = (NOTHING if axis in shifts else first.place[axis] for axis in AXES)
-    turn: Vector = (NOTHING, NOTHING, NOTHING) if turns else first.turn
-    scale = None if scaled else first.scale
-    return Layout(shifts, turns, scaled, Spot((x, y, z), turn, first.mirrored, scale))
-
-
-def _differ(values: Sequence[object]) -> bool:
-    return any(each != values[0] for each in values)
+def layout_of(found: Sequence[Spot], own: Ledger, rows: Integers) -> Layout:
+    """How some of the spots become rows of the shortest table."""
+    best = columns(own, rows)
+    first = found[int(rows[0])]
+    x, y, z = (NOTHING if axis in best.shifts else first.place[axis] for axis in AXES)
+    turn: Vector = (NOTHING, NOTHING, NOTHING) if best.turns else first.turn
+    common = Spot((x, y, z), turn, first.mirrored, None if best.scaled else first.scale)
+    return Layout(best.shifts, best.turns, best.scaled, common)
 
 
 def _scale(spot: Spot) -> ast.Expr:
