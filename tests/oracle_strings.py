@@ -314,8 +314,8 @@ class Line:
 
 
 def walk(system: System, string: list[Module], upright: bool = False) -> tuple[list, list]:
-    """Rows (kind, position, axes, argument, pens, layer, key) and outlines, in order: the corners of
-    a polygon, or the points of each part of a path.
+    """Rows (kind, position, axes, argument, pens, layer, key) and outlines, in order: the corners
+    of a polygon, or the points of each part of a path.
     """
     axes = np.eye(3)
     if upright:

@@ -73,7 +73,8 @@ class Counts:
 @dataclass(frozen=True, slots=True, eq=False)
 class Attempt:
     """A file that could be the answer, in a word how it was found, what it takes in tokens, and for
-    how many more it counts, since a person would rather maintain something else.
+    how many more it counts, since a person would rather maintain something else; for less, where it
+    says the points of outlines that the other files keep among the parts.
     """
 
     name: str
@@ -81,6 +82,11 @@ class Attempt:
     counts: Counts
     tokens: int
     more: float = 0.0
+
+    @property
+    def spared(self) -> float:
+        """Numbers of terminals that need not be kept."""
+        return max(0.0, -self.more)
 
 
 def best_grammar(
@@ -137,7 +143,7 @@ def best_grammar(
         attempts.sort(key=lambda each: each.tokens + each.more)
         # The paper's pairs, and rows that noise and paint order make long, are what was asked for.
         if not (asked or _weighs_less(found, flat_file)):
-            attempts = [each for each in attempts if each.tokens <= flat_tokens]
+            attempts = [each for each in attempts if each.tokens <= flat_tokens + each.spared]
     finest = replace(plain, share=1e-15)
     attempts.append(Attempt("flat", lambda: flat_file, none, flat_tokens))
     attempts.append(Attempt("flat", lambda: write_grammar(flat_book, finest), none, flat_tokens))
@@ -235,17 +241,19 @@ def _gridded(counts: Counts, written: Written, elements: int) -> Counts:
 
 
 def _recursive(subject: Subject) -> list[Attempt]:
-    """The file of a recursion that draws the drawing's lines, if there is one."""
+    """The file of a recursion that draws the drawing's lines, if there is one. What it draws of
+    outlines need not stand in the parts file: the numbers of their points are spared.
+    """
     found = write_recursion(subject)
     if found is None:
         return []
-    written, rules = found
-    return [Attempt("recursion", lambda: written, Counts(rules, rules, 1.0), written.tokens)]
+    written, counts = found.written, Counts(found.rules, found.rules, 1.0)
+    return [Attempt("recursion", lambda: written, counts, written.tokens, -found.numbers)]
 
 
 def _clearly(goal: Goal, attempts: list[Attempt], flat_tokens: int) -> Made | None:
     """A recursion so short that no other rules need to be looked for, if it is right."""
-    short = [each for each in attempts if each.tokens <= SHORT * flat_tokens]
+    short = [each for each in attempts if each.tokens <= SHORT * (flat_tokens + each.spared)]
     if not short:
         return None
     try:
@@ -270,7 +278,8 @@ def _first_right(
                 raise
             continue
         if comparison.agrees(limit):
-            report = _report(goal, attempt, written, comparison, flat_tokens)
+            flat = flat_tokens + round(attempt.spared)
+            report = _report(goal, attempt, written, comparison, flat)
             if found is None:
                 return Made(written.grammar, parts, report)
             if attempt.name == "rules" and goal.options.mode != "exact":

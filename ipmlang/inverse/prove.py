@@ -11,6 +11,7 @@ from pathlib import Path
 
 from ipmlang.compiler import compile_file
 from ipmlang.formats.drawing import Drawing
+from ipmlang.formats.svg import split_compound
 from ipmlang.inverse.compare import LIMIT, Comparison, compare
 from ipmlang.runtime import derive
 from ipmlang.runtime.export.sheet import drawing_of
@@ -27,5 +28,10 @@ def derived(text: str, parts: str, stem: str) -> Drawing:
 
 
 def prove(drawing: Drawing, text: str, parts: str, stem: str, limit: float = LIMIT) -> Comparison:
-    """How what is derived differs from the drawing that was read; limit: see `compare`."""
-    return compare(drawing, derived(text, parts, stem), limit)
+    """How what is derived differs from the drawing that was read, whose compound paths are taken
+    apart; so are those of a turtle's `path` of many parts. limit: see `compare`.
+    """
+    again = derived(text, parts, stem)
+    if len(again.elements) < len(drawing.elements):
+        again = split_compound(again)
+    return compare(drawing, again, limit)

@@ -1,21 +1,22 @@
 """The grammar file of a drawing whose lines are what a recursion's turtle draws.
 
-Takes an observation; where a recursion explains one stretch of its lines, gives the file: the
-recursion's rules, a pen, and the elements before and after the stretch as they are. Styles that
-follow no rule stand in a residual table. Nothing here proves or writes to disk.
+Takes an observation; where a recursion explains one stretch of its lines, or the lines of one path
+or polygon, gives the file: the recursion's rules, a pen, and the elements before and after the
+stretch as they are. Styles that follow no rule stand in a residual table. Nothing here proves or
+writes to disk.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.compiler import ast
-from ipmlang.formats.drawing import Outline, Style
+from ipmlang.formats.drawing import Style
 from ipmlang.formats.svg.parts import write_parts
 from ipmlang.inverse.build import Builder
 from ipmlang.inverse.coats import declarations
@@ -34,30 +35,47 @@ from ipmlang.inverse.observation import Observation
 from ipmlang.inverse.reach import measure
 from ipmlang.inverse.recursion import Recursion, as_grammar, fold
 from ipmlang.inverse.simplify import AXIOM, make_book
+from ipmlang.inverse.stretches import POLYGON, Stretch, stretches
 from ipmlang.inverse.terminals import asset_element
 
 TOLERANCE = 4e-7  # of the diagonal: what the ends of segments may be off
-MOST_OTHERS = 40  # elements that are not lines; with more the drawing is no turtle's
 MOST_DECIMALS = 7  # of coordinates that were rounded
 NEAREST = 0.75  # of the last decimal: what rounding both coordinates moves a point by, and a bit
 SAME = 1e-12  # of the largest coordinate: what reading a number may be off
 ROUNDED = 5.0  # seconds for a recursion of rounded points
 RESIDUAL = "Looks"
+FILLED = Style(fill="#808080", stroke_width=1.0)  # that of a turtle's polygon
 NO_STYLE = Style(fill="none", stroke="#000000", stroke_width=math.nan)  # that of a drawn segment
 Integers = NDArray[np.int64]
 
 
-def write_recursion(subject: Subject) -> tuple[Written, int] | None:
-    """The file and the number of its rules, or None where no recursion is found.
+@dataclass(frozen=True, slots=True, eq=False)
+class Recursive:
+    """The file, how many rules it has, and for how many numbers of terminals they stand."""
+
+    written: Written
+    rules: int
+    numbers: int
+
+
+def write_recursion(subject: Subject) -> Recursive | None:
+    """The file of the first stretch that a recursion draws, or None where none is found.
 
     subject: an arrangement without rules.
     """
     observed = subject.observed
-    rows = _stretch(observed)
-    if rows is None:
-        return None
-    start, end = _ends(observed, rows)
-    styles = observed.style[rows].astype(np.int64)
+    for stretch in stretches(observed):
+        recursion, decimals = _folded(observed, stretch)
+        if recursion is not None:
+            written = _written(subject, recursion, stretch, decimals)
+            return Recursive(written, _rules(recursion), stretch.numbers)
+    return None
+
+
+def _folded(observed: Observation, stretch: Stretch) -> tuple[Recursion | None, int | None]:
+    """The recursion that draws a stretch, and the decimals that its points were rounded to."""
+    start, end = stretch.start, stretch.end
+    styles = observed.style[stretch.rows].astype(np.int64) if not stretch.braces else None
     points = np.concatenate([start, end])
     extent = max(1e-300, abs(complex(np.ptp(points.real), np.ptp(points.imag))))
     found = fold(start, end, styles=styles, tolerance=TOLERANCE * observed.diagonal / extent)
@@ -66,9 +84,7 @@ def write_recursion(subject: Subject) -> tuple[Written, int] | None:
         grain = 10.0**-decimals
         off = NEAREST * grain / extent
         found = fold(start, end, styles=styles, tolerance=off, grain=grain, seconds=ROUNDED)
-    if found is None:
-        return None
-    return _written(subject, found, rows, decimals), _rules(found)
+    return found, decimals
 
 
 def _decimals(observed: Observation, points: Complexes) -> int | None:
@@ -90,53 +106,24 @@ def _rules(recursion: Recursion) -> int:
     return len(recursion.rules) + sum(len(each) for each in recursion.alternatives.values())
 
 
-def _stretch(observed: Observation) -> Integers | None:
-    """The rows of all lines, if they follow each other and hardly anything else is there."""
-    line = np.zeros(len(observed), np.bool_)
-    for shape in observed.classes:
-        line[shape.members] = shape.kind == "line"
-    rows = np.flatnonzero(line)
-    plain = not any(style.effects for style in observed.styles)
-    few = len(observed) - len(rows) <= MOST_OTHERS
-    together = len(rows) > 0 and rows[-1] - rows[0] + 1 == len(rows)
-    drawable = all(_is_stroke(observed.styles[style]) for style in np.unique(observed.style[rows]))
-    return rows if plain and few and together and drawable else None
-
-
-def _is_stroke(style: Style) -> bool:
-    paints = isinstance(style.fill, str) and isinstance(style.stroke, str)
-    return paints and style.stroke_matrix is None and not style.dashes
-
-
-def _ends(observed: Observation, rows: Integers) -> tuple[Complexes, Complexes]:
-    """Both ends of lines as they were drawn, y up."""
-    outlines = [observed.drawing.elements[row].outline for row in rows.tolist()]
-    points = np.array([_both(each) for each in outlines if each is not None])
-    ends = points[:, :, 0] + 1j * (observed.flip - points[:, :, 1])
-    return ends[:, 0], ends[:, 1]
-
-
-def _both(outline: Outline) -> NDArray[np.float64]:
-    return np.asarray(outline.coords[0, :2], np.float64)
-
-
-def _written(subject: Subject, found: Recursion, rows: Integers, decimals: int | None) -> Written:
-    observed, names = subject.observed, Names()
-    given = _Others(subject, names)
+def _written(subject: Subject, found: Recursion, stretch: Stretch, decimals: int | None) -> Written:
+    observed, names, rows = subject.observed, Names(), stretch.rows
+    given = _Others(subject, names, set(rows.tolist()))
     taken = frozenset(given.named.values())
     items = list(as_grammar(found, taken, _pens(observed, found)))
     start = items[-1]
     assert isinstance(start, ast.Start)
     first, last = int(rows[0]), int(rows[-1])
-    residual = _residual(observed, found, rows, names)
+    residual = [] if stretch.braces else _residual(observed, found, rows, names)
     style = observed.styles[int(observed.style[first])]
     if residual and residual[0].columns == ("stroke",):
         style = replace(style, stroke=NO_STYLE.stroke)
     alone = observed.box is not None and len(rows) == len(observed)
-    width, pen = (1.0, ()) if found.styles else _pen(style, alone)
+    width, pen = (1.0, ()) if found.styles else _pen(style, alone, stretch.braces)
+    drawn = (*pen, *_braced(start.axiom, stretch.braces))
     axiom = (
         *given.placed(range(first)),
-        ast.Bracket((*pen, *start.axiom)),
+        ast.Bracket(drawn),
         *given.placed(range(last + 1, len(observed))),
     )
     tables, stored, cells = stored_tables(residual, subject)
@@ -146,7 +133,7 @@ def _written(subject: Subject, found: Recursion, rows: Integers, decimals: int |
     made += [*tables, *_turtle(items, width), *(ast.Residual(each.name) for each in residual)]
     rules = [each for each in items if isinstance(each, ast.Rule)]
     made += [spaced(rule, first=k == 0) for k, rule in enumerate(rules)]
-    made.append(replace(start, axiom=(*pen, *start.axiom) if len(axiom) == 1 else axiom))
+    made.append(replace(start, axiom=drawn if len(axiom) == 1 else axiom))
 
     def parts() -> str:
         terminals = subject.instanced.terminals
@@ -164,12 +151,28 @@ def _turtle(items: Sequence[ast.Item], width: float) -> list[ast.Turtle]:
     return [ast.Turtle(tuple(told))] if told else []
 
 
-def _pen(style: Style, alone: bool) -> tuple[float, tuple[ast.Element, ...]]:
+def _braced(body: tuple[ast.Element, ...], braces: str) -> tuple[ast.Element, ...]:
+    """A body whose lines are one outline, if there are braces: the way to it stands before."""
+    if not braces:
+        return body
+    way = next((k for k, each in enumerate(body) if not _is_way(each)), len(body))
+    return (*body[:way], ast.Block(braces, (), (ast.Part(None, body[way:]),)))
+
+
+def _is_way(element: ast.Element) -> bool:
+    return isinstance(element, ast.Module) and element.name in ("at", "+", "-")
+
+
+def _pen(style: Style, alone: bool, braces: str) -> tuple[float, tuple[ast.Element, ...]]:
     """The turtle's width and what else sets the pen; alone: whether there is nothing but segments,
     which are 1 wide by themselves, so that a width of the turtle is theirs only.
 
-    A segment has a colour and a width, and no fill; what declares more says all of it at once.
+    A segment or a path has a colour and a width, and no fill; what declares more says all of it at
+    once, as a polygon does.
     """
+    if braces == POLYGON:
+        said = declarations(FILLED, style)
+        return 1.0, (call("css", ast.Text(said)),) if said else ()
     told = replace(NO_STYLE, stroke=style.stroke, stroke_width=style.stroke_width)
     single = float(str(np.float32(style.stroke_width)))
     if style != told or not alone or single != style.stroke_width:
@@ -204,15 +207,15 @@ def _residual(
 
 
 class _Others:
-    """The elements that no recursion draws, one asset for each terminal."""
+    """The elements that no recursion draws, one asset for each terminal; drawn: the other rows."""
 
-    def __init__(self, subject: Subject, names: Names) -> None:
+    def __init__(self, subject: Subject, names: Names, drawn: set[int]) -> None:
         instanced, observed = subject.instanced, subject.observed
         self.string = instanced.string
         book = make_book(instanced.alphabet, instanced.string)
         terminals = instanced.terminals
-        lines = [k for k, each in enumerate(terminals) if each.shape.kind == "line"]
-        used = sorted(set(self.string.symbol.tolist()) - set(lines))
+        rest = (k for row, k in enumerate(self.string.symbol.tolist()) if row not in drawn)
+        used = sorted(set(rest))
         self.named: dict[int, str] = {}
         for number in used:
             terminal = terminals[number]

@@ -22,8 +22,8 @@ class Report:
     """method: what was used; elements: how many were read, the components of a model; explained:
     share of them that stands under a rule that repeats or is used twice; rules: besides the axiom;
     rules_twice: of these, how many draw twice or more; max_error: share of the drawing's diagonal;
-    tokens: of the grammar, a table's cells included; tokens_flat: of one placement per element;
-    bytes; seconds of CPU time; notes: what was carried through or left out; mode: "exact", "within"
+    tokens: of the grammar, a table's cells included; tokens_flat: of one placement per element,
+    with two for each point of the outlines that rules draw and a parts file would hold; bytes; seconds of CPU time; notes: what was carried through or left out; mode: "exact", "within"
     a tolerance that was asked for, or "ideal", where one shape stands for similar ones; limit:
     share of the diagonal that was proven; rule_errors: where that is not exact, of each rule, worst
     first.

@@ -1,0 +1,104 @@
+"""Curves that turtles drew as one path: the rules that drew them, and the path back as it was."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from inverse.textbook import SYSTEMS, Complexes, drawn
+
+import ipmlang
+from ipmlang.formats.svg import read_svg, split_compound
+from ipmlang.inverse import infer
+from ipmlang.inverse.compare import compare
+
+SIZE = 437.0
+
+
+def on_page(name: str) -> tuple[Complexes, Complexes]:
+    """The segments of a textbook system, y down, on a page."""
+    start, end = drawn(SYSTEMS[name])
+    every = np.concatenate([start, end])
+    scale = SIZE / max(np.ptp(every.real), np.ptp(every.imag))
+    corner = complex(every.real.min(), every.imag.max())
+    return tuple(np.conj(each - corner) * scale + 10 + 10j for each in (start, end))
+
+
+def data_of(start: Complexes, end: Complexes, decimals: int) -> str:
+    """What a program writes that lifts its pen where a segment starts elsewhere."""
+
+    def told(point: complex) -> str:
+        return f"{point.real:.{decimals}f},{point.imag:.{decimals}f}"
+
+    anew = np.concatenate([[True], np.abs(start[1:] - end[:-1]) > 1e-6])
+    pairs = zip(start.tolist(), end.tolist(), anew.tolist(), strict=True)
+    return "".join(
+        (f"M{told(one)}" if lifts else "") + f"L{told(two)}" for one, two, lifts in pairs
+    )
+
+
+def page(body: str) -> str:
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {SIZE + 20:g} {SIZE + 20:g}">'
+    return f"{head}{body}</svg>"
+
+
+def given_back(source: Path, folder: Path) -> ipmlang.Inference:
+    """The grammar, once its file has been run, and what came out read again."""
+    found = infer(source)
+    found.save(folder / "x.ipm")
+    ipmlang.save(ipmlang.load(folder / "x.ipm").run(), folder / "x.svg")
+    given, again = (split_compound(read_svg(each)) for each in (source, folder / "x.svg"))
+    assert compare(given, again).agrees(1e-6), found.text
+    assert len(read_svg(folder / "x.svg").elements) == len(read_svg(source).elements)
+    return found
+
+
+@pytest.mark.parametrize("decimals", [1, 3, 6])
+@pytest.mark.parametrize(
+    "name",
+    ["Koch curve", "dragon, 1.10a", "Hilbert", "Gosper, 1.11a", "weed, 1.24a", "shrinking tree"],
+)
+def test_a_path_comes_back_as_the_rules_that_drew_it(
+    name: str, decimals: int, tmp_path: Path
+) -> None:
+    source = tmp_path / "drawn.svg"
+    data = data_of(*on_page(name), decimals)
+    source.write_text(page(f'<path d="{data}" fill="none" stroke="#06c" stroke-width="0.4"/>'))
+    found = given_back(source, tmp_path)
+    assert found.report.tokens < 90, found.text
+    assert "asset" not in found.text and "path {" in found.text
+    assert found.report.tokens_flat > 20 * found.report.tokens
+
+
+def test_a_closed_curve_is_a_polygon(tmp_path: Path) -> None:
+    start, _ = on_page("Koch snowflake")
+    points = " ".join(f"{point.real:.4f},{point.imag:.4f}" for point in start.tolist())
+    source = tmp_path / "drawn.svg"
+    source.write_text(page(f'<polygon points="{points}" fill="teal" stroke="#000"/>'))
+    found = given_back(source, tmp_path)
+    assert "polygon { F - - F - - F }" in found.text
+    assert found.report.tokens < 60
+
+
+def test_other_elements_stay_beside_a_curve(tmp_path: Path) -> None:
+    data = data_of(*on_page("quadratic Koch, 1.7b"), 4)
+    source = tmp_path / "drawn.svg"
+    body = (
+        f'<rect width="9" height="5"/><path d="{data}" fill="#fea" stroke="#000"/><circle r="4"/>'
+    )
+    source.write_text(page(body))
+    found = given_back(source, tmp_path)
+    assert "asset rect, circle in" in found.text and "path { F }" in found.text
+
+
+def test_curves_without_a_rule_stay_terminals(tmp_path: Path) -> None:
+    random = np.random.default_rng(7)
+    source = tmp_path / "drawn.svg"
+    coast = np.cumsum(random.normal(size=(400, 2)), axis=0) * 5 + 200
+    walk = np.cumsum([(1, 0), (0, 1), (-1, 0), (0, -1)] * random.integers(0, 9, (4, 1)), axis=0)
+    for points in (coast, np.cumsum(walk[random.integers(0, 4, 300)], axis=0)):
+        told = " ".join(f"{x:.2f},{y:.2f}" for x, y in points.tolist())
+        source.write_text(page(f'<polyline points="{told}" fill="none" stroke="#000"/>'))
+        found = given_back(source, tmp_path)
+        assert found.report.rules == 0 and "polyline" in found.text
