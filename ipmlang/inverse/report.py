@@ -26,7 +26,8 @@ class Report:
     with two for each point of the outlines that rules draw and a parts file would hold; bytes;
     seconds of CPU time; notes: what was carried through or left out; mode: "exact", "within" a
     tolerance that was asked for, or "ideal", where one shape stands for similar ones; limit: share
-    of the diagonal that was proven; rule_errors: where that is not exact, of each rule, worst first.
+    of the diagonal that was proven; rule_errors: where that is not exact, of each rule, worst
+    first.
 
     Of models besides: labels: shapes that differ by more than a rigid motion; repeated: elements
     that share theirs; explained_repeated: share of these that `explained` counts; terminals: shapes
