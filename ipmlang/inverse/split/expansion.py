@@ -6,6 +6,7 @@ scheme means; proofs, costs and tests compare with it.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import assert_never
 
 import numpy as np
@@ -16,11 +17,11 @@ from ipmlang.inverse.frames import (
     Frames,
     Integers,
     about,
+    apply,
     canonical,
     compose,
     identity,
     join,
-    linear,
     moved_to,
 )
 from ipmlang.inverse.split.scheme import (
@@ -71,7 +72,7 @@ def placements(item: Item) -> list[tuple[int, Frames]]:
         case Array():
             return [(item.symbol, _array(item))]
         case Ring():
-            return [(item.symbol, _ring(item))]
+            return [(item.symbol, ring_frames([item]))]
         case Split():
             return _split(item)
         case Octant():
@@ -96,13 +97,19 @@ def _array(array: Array) -> Frames:
     return compose(moved_to(offset), array.first)
 
 
-def _ring(ring: Ring) -> Frames:
-    index = np.array([i for i in range(ring.count) if i not in ring.holes], np.float64)
-    growth = ring.growth**index + ring.gain * index
-    turned = canonical(about(ring.axis, ring.angle * index))
+def ring_frames(rings: Sequence[Ring]) -> Frames:
+    """The frames of the members of rings, one ring after the other."""
+    members = [[i for i in range(ring.count) if i not in ring.holes] for ring in rings]
+    of = np.repeat(np.arange(len(rings)), [len(each) for each in members])
+    index = np.array([i for each in members for i in each], np.float64)
+    axis, center = np.stack([[ring.axis, ring.center] for ring in rings], axis=1)[:, of]
+    numbers = [(ring.angle, ring.rise, ring.growth, ring.gain) for ring in rings]
+    angle, rise, factor, gain = np.array(numbers)[of].T
+    growth = factor**index + gain * index
+    turned = canonical(about(axis, angle * index))
     still = Frames(np.zeros((len(index), 3)), turned, np.ones(len(index)), growth)
-    moved = ring.center - linear(still) @ ring.center + (ring.rise * index)[:, None] * ring.axis
-    return compose(Frames(moved, turned, still.hand, growth), ring.first)
+    moved = center - apply(still, center) + (rise * index)[:, None] * axis
+    return compose(Frames(moved, turned, still.hand, growth), join([r.first for r in rings])[of])
 
 
 def _split(split: Split) -> list[tuple[int, Frames]]:

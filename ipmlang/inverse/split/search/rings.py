@@ -23,7 +23,7 @@ from ipmlang.inverse.frames import (
     turns,
 )
 from ipmlang.inverse.numbers import shortest
-from ipmlang.inverse.split.expansion import placements
+from ipmlang.inverse.split.expansion import ring_frames
 from ipmlang.inverse.split.scheme import Ring
 from ipmlang.inverse.split.search.figures import Figure, misses, probed
 from ipmlang.inverse.split.snapping import Flags, label_rows, snap_columns
@@ -61,12 +61,22 @@ def rings(
     if len(first) == 0:
         return
     ahead, steps = _ahead(shape, frames, points, motion, 8 * error)
-    for index in range(len(first)):
-        chain = _chain(int(first[index]), ahead[index], steps[index])
-        if len(chain) >= 3:
-            found = _fitted(shape, frames, points, chain, motion[index], symbol, error)
-            if found is not None:
-                yield found
+    chains = [_chain(*each) for each in zip(first.tolist(), ahead, steps, strict=True)]
+    long = [number for number, chain in enumerate(chains) if len(chain) >= 3]
+    if not long:
+        return
+    members = [_members(points, chains[number]) for number in long]
+    turns = _turns(motion[long], members, error)
+    found = [
+        _ring(symbol, frames[own.rows[:1]], chains[number], turn)
+        for number, own, turn in zip(long, members, turns, strict=True)
+    ]
+    rows = np.concatenate([own.rows for own in members])
+    off = misses(shape, probed(shape, ring_frames(found)), frames[rows])[0]
+    begins = np.cumsum([0, *(len(own.rows) for own in members[:-1])])
+    for own, ring, worst in zip(members, found, np.maximum.reduceat(off, begins), strict=True):
+        if worst <= error:
+            yield own.rows, ring
 
 
 def _motions(
@@ -165,24 +175,23 @@ def _walk(first: int, following: dict[int, tuple[int, int]]) -> list[int]:
     return chain
 
 
-def _fitted(
-    shape: Figure,
-    frames: Frames,
-    points: Floats,
-    chain: Integers,
-    motion: Floats,
-    symbol: int,
-    error: float,
-) -> tuple[Integers, Ring] | None:
-    """The ring that a chain is; None if it is off."""
+@dataclass(frozen=True, slots=True, eq=False)
+class _Members:
+    """rows (k,) of a chain that are there, at steps index (k,), and their centers (k, 3)."""
+
+    rows: Integers
+    index: Integers
+    centers: Floats
+
+
+def _members(points: Floats, chain: Integers) -> _Members:
     index = np.nonzero(chain >= 0)[0]
-    rows = chain[index]
-    turn = _turn(motion, points[rows, 0], index, error)
-    if turn is None:
-        return None
-    first = frames[rows[:1]]
+    return _Members(chain[index], index, points[chain[index], 0])
+
+
+def _ring(symbol: int, first: Frames, chain: Integers, turn: Turn) -> Ring:
     holes = frozenset(np.nonzero(chain < 0)[0].tolist())
-    ring = Ring(
+    return Ring(
         symbol,
         first,
         len(chain),
@@ -193,55 +202,66 @@ def _fitted(
         turn.growth,
         holes,
     )
-    made = placements(ring)[0][1]
-    off = misses(shape, probed(shape, made), frames[rows])[0]
-    return (rows, ring) if off.max() <= error else None
 
 
-def _turn(motion: Floats, centers: Floats, index: Integers, error: float) -> Turn | None:
-    """Axis, angle and rise, fitted to where the members' centers stand."""
-    growth = float(np.cbrt(np.linalg.det(motion[:, :3])))
-    growth = 1.0 if abs(growth - 1) < 1e-6 else growth
-    turned = quaternions(motion[None, :, :3] / growth)[0]
-    sine = float(np.linalg.norm(turned[1:]))
-    angle = float(np.degrees(2 * np.arctan2(sine, turned[0])))
-    axis = turned[1:] / sine
-    lead = int(np.argmax(np.abs(axis)))
-    if np.abs(np.delete(axis, lead)).max() < 1e-5:
-        axis = np.eye(3)[lead] * np.sign(axis[lead])
-    if axis[lead] < 0:
-        axis, angle = -axis, -angle
-    angle = _whole(angle, centers, index, error)
-    return _axis(centers, index, axis + 0.0, angle, growth, error)
+def _turns(motion: Floats, members: list[_Members], error: float) -> list[Turn]:
+    """Axis, angle and rise of each motion (m, 3, 4), fitted to where the members' centers stand."""
+    growth = np.cbrt(np.linalg.det(motion[:, :, :3]))
+    growth[np.abs(growth - 1) < 1e-6] = 1.0
+    turned = quaternions(motion[:, :, :3] / growth[:, None, None])
+    sine = np.sqrt((turned[:, 1:] ** 2).sum(axis=1))
+    angle = np.degrees(2 * np.arctan2(sine, turned[:, 0]))
+    axis = turned[:, 1:] / sine[:, None]
+    row, lead = np.arange(len(axis)), np.argmax(np.abs(axis), axis=1)
+    straight = np.count_nonzero(np.abs(axis) >= 1e-5, axis=1) == 1
+    axis[straight] = np.eye(3)[lead[straight]] * np.sign(axis[row, lead])[straight, None]
+    sign = np.where(axis[row, lead] < 0, -1.0, 1.0)
+    axis, angle = axis * sign[:, None] + 0.0, angle * sign
+    whole = [_whole(each, own, error) for each, own in zip(angle.tolist(), members, strict=True)]
+    return _axes(members, axis, np.array(whole), growth, error)
 
 
-def _whole(angle: float, centers: Floats, index: Integers, error: float) -> float:
+def _whole(angle: float, members: _Members, error: float) -> float:
     """The angle, as a share of the full turn or with few decimals where that is as good."""
     share = 360.0 / abs(angle)
     if abs(share - round(share)) < 1e-4:
         return float(np.sign(angle) * 360.0 / round(share))
-    reach = float(np.ptp(centers, axis=0).max()) + error
-    return shortest(angle, np.degrees(error / reach) / (4 * int(index[-1]) + 1))
+    reach = float(np.ptp(members.centers, axis=0).max()) + error
+    return shortest(angle, np.degrees(error / reach) / (4 * int(members.index[-1]) + 1))
 
 
-def _axis(
-    centers: Floats, index: Integers, axis: Floats, angle: float, growth: float, error: float
-) -> Turn | None:
-    """Where the axis stands and how much a step rises, by least squares: linear in the center, the
+def _axes(
+    members: list[_Members], axis: Floats, angle: Floats, growth: Floats, error: float
+) -> list[Turn]:
+    """Where each axis stands and how much a step rises, by least squares: linear in the center, the
     rise and the place of the first member.
     """
-    turned = (
-        turns(about(axis, np.asarray(angle * index, np.float64)))
-        * (growth ** index.astype(np.float64))[:, None, None]
-    )
-    still = np.eye(3) - turned
-    rises = index[:, None] * axis
-    known = np.concatenate([turned, still, rises[:, :, None]], axis=2).reshape(-1, 7)
-    solved = np.linalg.lstsq(known, centers.ravel(), rcond=1e-9)[0]
+    of = np.repeat(np.arange(len(members)), [len(own.index) for own in members])
+    index = np.concatenate([own.index for own in members])
+    turned = turns(about(axis[of], angle[of] * index))
+    turned *= (growth[of] ** index)[:, None, None]
+    rises = index[:, None] * axis[of]
+    known = np.concatenate([turned, np.eye(3) - turned, rises[:, :, None]], axis=2)
+    found = []
+    begin = 0
+    for number, own in enumerate(members):
+        end = begin + len(own.index)
+        equations = known[begin:end].reshape(-1, 7)
+        solved = np.linalg.lstsq(equations, own.centers.ravel(), rcond=1e-9)[0]
+        place = float(angle[number]), axis[number], float(growth[number])
+        found.append(_settled(solved, *place, int(own.index[-1]), error))
+        begin = end
+    return found
+
+
+def _settled(
+    solved: Floats, angle: float, axis: Floats, growth: float, last: int, error: float
+) -> Turn:
+    """The turn with a center and a rise of few decimals."""
     center, rise = solved[3:6], float(solved[6])
     if growth == 1.0:
         center = center - axis * float(center @ axis)
-    rounded = [shortest(float(v), error / 16) for v in center]
-    rise = shortest(rise, error / (8 * int(index[-1]) + 1))
-    rise = 0.0 if abs(rise) * int(index[-1]) < error / 4 else rise
+    rounded = [shortest(each, error / 16) for each in center.tolist()]
+    rise = shortest(rise, error / (8 * last + 1))
+    rise = 0.0 if abs(rise) * last < error / 4 else rise
     return Turn(np.array(rounded), axis, angle, rise, growth)
