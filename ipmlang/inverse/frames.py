@@ -125,9 +125,13 @@ def linear(frames: Frames) -> Floats:
 def turns(rotation: Floats) -> Floats:
     """(n, 3, 3) matrices of unit quaternions (n, 4)."""
     products = (rotation[:, :, None] * rotation[:, None]).reshape(-1, 16)
-    blocks = [products[k : k + _BLOCK] @ _PRODUCTS for k in range(0, len(products), _BLOCK)]
-    entries = blocks[0] if len(blocks) == 1 else np.concatenate([np.zeros((0, 9)), *blocks])
-    return np.asarray((entries + _STILL).reshape(-1, 3, 3))
+    if len(products) <= _BLOCK:
+        entries = products @ _PRODUCTS
+    else:
+        blocks = [products[k : k + _BLOCK] @ _PRODUCTS for k in range(0, len(products), _BLOCK)]
+        entries = np.concatenate(blocks)
+    entries += _STILL
+    return np.asarray(entries.reshape(-1, 3, 3))
 
 
 def matrices(frames: Frames) -> Floats:

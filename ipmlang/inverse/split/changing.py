@@ -77,7 +77,13 @@ def named_symbols(symbol: Symbol) -> set[int]:
     """The symbols that a symbol's items place."""
     if not isinstance(symbol, Rule):
         return set()
-    return {each for item in symbol.items for each, _ in placements(item)}
+    return {each for item in symbol.items for each in _named(item)}
+
+
+def _named(item: Item) -> list[int]:
+    if isinstance(item, Split):
+        return [cell.symbol for cell in item.cells if cell.symbol is not None]
+    return [item.symbol]
 
 
 def needed(symbols: Sequence[Symbol], axiom: int) -> tuple[tuple[Symbol, ...], dict[int, int]]:

@@ -16,7 +16,8 @@ def numbered(values: Floats, small: float) -> Integers:
     >>> numbered(np.array([3.0, 1.0, 1.0000001, 9.0]), 1e-6).tolist()
     [1, 0, 0, 2]
     """
-    order = np.argsort(values, kind="stable")
+    order = values.argsort(kind="stable")
+    ordered = values[order]
     number = np.zeros(len(values), np.int64)
-    number[order[1:]] = np.cumsum(np.diff(values[order]) > small)
+    number[order[1:]] = (ordered[1:] - ordered[:-1] > small).cumsum()
     return number

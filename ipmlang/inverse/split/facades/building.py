@@ -183,27 +183,31 @@ class Building:
             if here.sum() == _count(item):
                 loose &= ~here
                 yield moved(item, inside.offset)
-        for kind in np.unique(inside.kind[loose]).tolist():
-            yield from self._rows(inside[loose & (inside.kind == kind)])
+        rest = loose.nonzero()[0]
+        kinds: dict[int, list[int]] = {}
+        for row, kind in zip(rest.tolist(), inside.kind[rest].tolist(), strict=True):
+            kinds.setdefault(kind, []).append(row)
+        for _, rows in sorted(kinds.items()):
+            alike = inside.frames[np.array(rows)]
+            yield from self._rows(self.new[int(inside.symbol[rows[0]])], alike)
 
-    def _rows(self, alike: Contents) -> Iterator[Item]:
-        symbol = self.new[int(alike.symbol[0])]
+    def _rows(self, symbol: int, alike: Frames) -> Iterator[Item]:
         if len(alike) < 3:
-            yield Place(symbol, alike.frames)
+            yield Place(symbol, alike)
             return
-        found, rest = lattices(alike.frames.position, self.small)
+        found, rest = lattices(alike.position, self.small)
         single = [rest]
         for lattice in found:
             directions = tuple(map(Direction, lattice.counts, lattice.steps))
-            array = Array(symbol, alike.frames[lattice.rows[:1]], directions)
-            place = Place(symbol, alike.frames[lattice.rows])
+            array = Array(symbol, alike[lattice.rows[:1]], directions)
+            place = Place(symbol, alike[lattice.rows])
             if item_tokens(array, self.small) < item_tokens(place, self.small):
                 yield array
             else:
                 single.append(lattice.rows)
         rows = np.sort(np.concatenate(single))
         if len(rows):
-            yield Place(symbol, alike.frames[rows])
+            yield Place(symbol, alike[rows])
 
     # -------------------------------------------------------------- splits
 

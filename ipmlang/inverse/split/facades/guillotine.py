@@ -37,10 +37,13 @@ def side_by_side(inside: Contents, axis: int, small: float) -> list[Groups]:
     low, high = inside.low[:, axis], inside.high[:, axis]
     whole = float(high.max(initial=0.0) - low.min(initial=0.0))
     found: list[Groups] = []
+    before = -1
     for share in BACKDROPS:
         behind = high - low > share * whole + small
-        if behind.sum() > max(FEW, len(inside) // 3) or behind.all():
+        many = int(np.count_nonzero(behind))
+        if many in (before, len(inside)) or many > max(FEW, len(inside) // 3):
             continue
+        before = many
         groups = _groups(low, high, np.flatnonzero(~behind), np.flatnonzero(behind), small)
         if not found or len(groups.rows) > len(found[-1].rows):
             found.append(groups)
@@ -54,11 +57,12 @@ def _groups(low: Floats, high: Floats, rows: Integers, backdrop: Integers, small
     order = np.argsort(first, kind="stable")
     rows, first, last = rows[order], first[order], last[order]
     reached = np.maximum.accumulate(last)
-    groups = np.split(rows, np.flatnonzero(first[1:] > reached[:-1] + small) + 1)
+    ends = [*(np.flatnonzero(first[1:] > reached[:-1] + small) + 1).tolist(), len(rows)]
+    begins = [0, *ends[:-1]]
     return Groups(
-        groups,
-        np.array([low[each].min() for each in groups]),
-        np.array([high[each].max() for each in groups]),
+        [rows[begin:end] for begin, end in zip(begins, ends, strict=True)],
+        np.minimum.reduceat(low[rows], begins),
+        np.maximum.reduceat(high[rows], begins),
         backdrop,
     )
 

@@ -44,9 +44,10 @@ def lattices(places: Floats, small: float) -> tuple[list[Lattice], Integers]:
     rest = np.arange(len(places))
     for groups in (_whole, _planes, _lines):
         left = []
+        fewest = 2 if groups is _whole else FEWEST
         for rows in groups(places, rest, small):
-            lattice = _lattice(places, rows, small) if len(rows) > 1 else None
-            if lattice is None or (groups is not _whole and len(rows) < FEWEST):
+            lattice = _lattice(places, rows, small) if len(rows) >= fewest else None
+            if lattice is None:
                 left.append(rows)
             else:
                 found.append(lattice)
@@ -100,6 +101,9 @@ def _even(along: Floats, small: float) -> bool:
 def _lattice(places: Floats, rows: Integers, small: float) -> Lattice | None:
     """All of these rows as one lattice."""
     points = places[rows]
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2
+    if np.abs(points.mean(axis=0) - middle).max() > 4 * small:
+        return None  # a lattice that is filled is the same from both ends
     steps = _axis_steps(points, small)
     found = None if steps is None else _filled(points, rows, steps, small)
     if found is None:
