@@ -8,7 +8,7 @@ schemes are tried. Nothing is written.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
@@ -79,8 +79,8 @@ def grammar_of_model(
     say(f"looking for rules among {len(parts.shape)} components")
     goal = _Goal(parts, source, limit, stem, capital(word(path.stem)) or "Building")
     plain = flat(parts)
-    singly = _grammar(goal, _said(goal, plain, ROUNDINGS[0], one_by_one=True), ".obj")
-    goal = replace(goal, most=_tokens(singly))
+    singly = _said(goal, plain, ROUNDINGS[0], one_by_one=True)
+    goal = replace(goal, most=_all_tokens(goal, singly))
     schemes = iter([plain]) if is_flat else _searched(goal, plain, options)
     say("comparing with the model")
     for scheme in schemes:
@@ -168,11 +168,16 @@ def _length(goal: _Goal, scheme: Scheme) -> int:
     said = _said(goal, scheme, ROUNDINGS[0], False)
     listed = [len(item.rows) for item in said.items if isinstance(item, ast.Table)]
     shapes = (ASSET + SHAPE) * len(said.terminals)
-    return _tokens(ast.Grammar(said.items)) + LISTED * len(listed) + ROW * sum(listed) + shapes
+    return said.tokens + LISTED * len(listed) + ROW * sum(listed) + shapes
 
 
-def _tokens(grammar: ast.Grammar) -> int:
-    return count_text_tokens(format_grammar(grammar))
+def _tokens(items: Sequence[ast.Item]) -> int:
+    return count_text_tokens(format_grammar(ast.Grammar(tuple(items))))
+
+
+def _all_tokens(goal: _Goal, said: _Said) -> int:
+    """With what all grammars of models begin with."""
+    return _tokens(_head(goal, said, ".obj")) + said.tokens
 
 
 def observed(path: Path, up: Up, limit: float) -> tuple[Parts, Mesh]:
@@ -201,12 +206,13 @@ def _check_parts(path: Path, parts: Parts) -> None:
 @dataclass(frozen=True, slots=True, eq=False)
 class _Said:
     """A scheme as items of a grammar, with the meshes of its terminals by name; rules: how many
-    there are besides the axiom's.
+    there are besides the axiom's; tokens: of the items.
     """
 
     items: tuple[ast.Item, ...]
     terminals: dict[str, Mesh]
     rules: int
+    tokens: int
 
 
 def _said(goal: _Goal, scheme: Scheme, rounding: float, one_by_one: bool) -> _Said:
@@ -234,11 +240,10 @@ def _newly_said(goal: _Goal, scheme: Scheme, rounding: float, one_by_one: bool) 
         precision = Precision(room * parts.diagonal)
         printed = print_scheme(scheme, goal.axiom, precision, one_by_one, lift)
         terminals = {printed.names[number]: mesh for number, mesh in meshes.items()}
-        return _Said(printed.items, terminals, printed.rules)
+        return _Said(printed.items, terminals, printed.rules, _tokens(printed.items))
 
     with_counts = said(lift=True)
-    longer = _tokens(_grammar(goal, with_counts, ".obj")) > goal.most
-    return said(lift=False) if longer else with_counts
+    return said(lift=False) if _all_tokens(goal, with_counts) > goal.most else with_counts
 
 
 def _askew(degrees: float) -> Frames:
@@ -264,11 +269,14 @@ def _written(
 
 def _grammar(goal: _Goal, said: _Said, suffix: str) -> ast.Grammar:
     """What was said, after what all grammars of models begin with."""
-    items: list[ast.Item] = [ast.Version(1)]
-    if goal.parts.up == "y-up":
-        items.append(ast.Axes("y-up"))
-    items.append(ast.Asset(tuple(said.terminals), parts_name(goal.stem, suffix), True))
-    return ast.Grammar((*items, *said.items))
+    return ast.Grammar((*_head(goal, said, suffix), *said.items))
+
+
+def _head(goal: _Goal, said: _Said, suffix: str) -> tuple[ast.Item, ...]:
+    """What all grammars of models begin with."""
+    asset = ast.Asset(tuple(said.terminals), parts_name(goal.stem, suffix), True)
+    axes = (ast.Axes("y-up"),) if goal.parts.up == "y-up" else ()
+    return (ast.Version(1), *axes, asset)
 
 
 def _report(

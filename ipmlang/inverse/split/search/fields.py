@@ -114,7 +114,12 @@ def _near(field: Field, center: Floats, key: Integers, error: float) -> tuple[In
 
 def agree(field: Field, rows: Integers, wanted: Floats, error: float) -> Flags:
     """(p,) whether rows stand as probes (p, 4, 3) say, up to their symbols' symmetry."""
-    return np.asarray(standing(field, rows, wanted)[0] <= error)
+    away = field.points[rows] - wanted
+    good = np.asarray(np.sqrt(np.einsum("pkj,pkj->pk", away, away)).max(axis=1) <= error)
+    turned = np.flatnonzero(~good)  # most stand as they are
+    if len(turned):
+        good[turned] = standing(field, rows[turned], wanted[turned])[0] <= error
+    return good
 
 
 def standing(field: Field, rows: Integers, wanted: Floats) -> tuple[Floats, Floats]:

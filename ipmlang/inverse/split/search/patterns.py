@@ -7,18 +7,18 @@ first. What only hand placed stays a list.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ipmlang.inverse.frames import Frames, Integers, linear
+from ipmlang.inverse.frames import Floats, Frames, Integers, linear
 from ipmlang.inverse.split.cost import item_tokens, placement_tokens
 from ipmlang.inverse.split.expansion import placements
 from ipmlang.inverse.split.listing import Listing, list_tokens, listing
 from ipmlang.inverse.split.scheme import Array, Place, Ring
 from ipmlang.inverse.split.search.arrays import Lattice, lattices
-from ipmlang.inverse.split.search.drafts import Limits
+from ipmlang.inverse.split.search.drafts import Draft, Limits
 from ipmlang.inverse.split.search.figures import Figure, alternatives, misses, probed, simplest
 from ipmlang.inverse.split.search.rings import rings
 from ipmlang.inverse.split.search.swelling import swelling
@@ -35,12 +35,13 @@ MOST_TURNED = 400  # copies among which rings are looked for
 @dataclass(frozen=True, slots=True, eq=False)
 class Arranged:
     """Items that place a symbol, and their tokens; patterns: for each row the item it stands in,
-    -1 for those that stand singly; each (p,): tokens of every pattern.
+    -1 for those that stand singly, which are so many; each (p,): tokens of every pattern.
     """
 
     items: tuple[Place | Array | Ring, ...]
     tokens: int
     patterns: Integers
+    single: int
     each: Integers
 
 
@@ -76,28 +77,62 @@ class Memory:
     placements looked at.
     """
 
-    known: dict[bytes, Arranged] = field(default_factory=dict)
+    known: dict[tuple[int, bytes], Arranged] = field(default_factory=dict)
     work: int = 0
+    _images: dict[bytes, int] = field(default_factory=dict)
+    _figures: dict[int, tuple[Figure, int]] = field(default_factory=dict)
+
+    def number(self, shape: Figure) -> int:
+        """The same for figures that look the same."""
+        met = self._figures.get(id(shape))
+        if met is None:
+            number = self._images.setdefault(shape.images.tobytes(), len(self._images))
+            met = self._figures[id(shape)] = shape, number  # kept, so that no other has its id
+        return met[1]
 
 
 def arranged(
     shape: Figure, frames: Frames, symbol: int, limits: Limits, memory: Memory
 ) -> Arranged:
     """Items for all frames (n,) of a symbol."""
-    key = b"".join(
-        column.tobytes()
-        for column in (
-            shape.images, frames.position, frames.rotation, frames.hand, frames.scale
-        )
-    )  # fmt: skip
+    key = memory.number(shape), _told(frames).tobytes()
     known = memory.known.get(key)
     if known is None:
-        memory.work += len(frames)
-        known = _arranged(shape, frames, symbol, limits)
-        memory.known[key] = known
+        known = memory.known[key] = _met(shape, frames, symbol, limits, memory)
     if all(item.symbol == symbol for item in known.items):
         return known
     return replace(known, items=tuple(replace(item, symbol=symbol) for item in known.items))
+
+
+def arranged_lists(
+    draft: Draft, lists: Sequence[Integers], limits: Limits, memory: Memory
+) -> Iterator[Arranged]:
+    """What `arranged` gives for lists of rows of one symbol each, one list after the other; which
+    symbol the items place is not told.
+    """
+    told = _told(draft.frames[np.concatenate([np.zeros(0, np.int64), *lists])])
+    symbols = draft.symbol[[rows[0] for rows in lists]].tolist() if lists else []
+    end = 0
+    for rows, symbol in zip(lists, symbols, strict=True):
+        begin, end = end, end + len(rows)
+        shape = draft.figures[symbol]
+        key = memory.number(shape), told[begin:end].tobytes()
+        known = memory.known.get(key)
+        if known is None:
+            known = _met(shape, draft.frames[rows], symbol, limits, memory)
+            memory.known[key] = known
+        yield known
+
+
+def _told(frames: Frames) -> Floats:
+    """(n, 9) all that tells frames apart."""
+    rest = (frames.hand[:, None], frames.scale[:, None])
+    return np.concatenate([frames.position, frames.rotation, *rest], axis=1)
+
+
+def _met(shape: Figure, frames: Frames, symbol: int, limits: Limits, memory: Memory) -> Arranged:
+    memory.work += len(frames)
+    return _arranged(shape, frames, symbol, limits)
 
 
 def _arranged(shape: Figure, frames: Frames, symbol: int, limits: Limits) -> Arranged:
@@ -105,7 +140,8 @@ def _arranged(shape: Figure, frames: Frames, symbol: int, limits: Limits) -> Arr
     alone = placement_tokens(plainest, limits.small)
     every = np.arange(len(frames))
     if len(frames) < FEWEST:
-        return Arranged((Place(symbol, plainest),), int(alone.sum()), every * 0 - 1, every[:0])
+        single = (Place(symbol, plainest),)
+        return Arranged(single, int(alone.sum()), every * 0 - 1, len(frames), every[:0])
     listed = listing(plainest, alone, limits.small)
     left = np.ones(len(frames), np.bool_)
     copies = _Copies(shape, symbol, plainest, alone, left, limits)
@@ -138,7 +174,8 @@ def _arranged(shape: Figure, frames: Frames, symbol: int, limits: Limits) -> Arr
     singly = list_tokens(listed, every[left])
     if left.any():
         items.append(Place(symbol, plainest[every[left]]))
-    return Arranged(tuple(items), sum(each) + singly, patterns, np.array(each, np.int64))
+    rest, tokens = int(np.count_nonzero(left)), sum(each) + singly
+    return Arranged(tuple(items), tokens, patterns, rest, np.array(each, np.int64))
 
 
 def _best(pool: list[Found], listed: Listing, rows: Integers) -> Found | None:

@@ -6,7 +6,7 @@ again; patterns that it takes apart count as lost. Nothing is changed here.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +16,7 @@ from ipmlang.inverse.split.cost import FEWEST, HEAD, placement_tokens
 from ipmlang.inverse.split.listing import every_token
 from ipmlang.inverse.split.search.drafts import Draft, Limits, Motif
 from ipmlang.inverse.split.search.figures import Figure
-from ipmlang.inverse.split.search.patterns import Arranged, Memory, arranged
+from ipmlang.inverse.split.search.patterns import Arranged, Memory, arranged, arranged_lists
 from ipmlang.inverse.split.snapping import Flags, label_rows, members
 
 LOOSE = 3.0  # tokens that a part is worth which a rule explains, beyond those that it saves
@@ -25,7 +25,8 @@ LOOSE = 3.0  # tokens that a part is worth which a rule explains, beyond those t
 @dataclass(frozen=True, slots=True, eq=False)
 class Priced:
     """lists: rows of one symbol in one body each, with their patterns; of (n,): the list of each
-    row; place (n,): where in its list it is.
+    row; place (n,): where in its list it is; share (n,): tokens that each row takes on average;
+    loose (n,): what each row is worth under a rule, for those that stand singly in the axiom.
     """
 
     draft: Draft
@@ -33,6 +34,8 @@ class Priced:
     found: tuple[Arranged, ...]
     of: Integers
     place: Integers
+    share: Floats
+    loose: Floats
 
     @property
     def tokens(self) -> float:
@@ -40,39 +43,26 @@ class Priced:
         bodies = len(np.unique(np.append(self.draft.body, 0)))
         return float(sum(each.tokens for each in self.found)) + HEAD * bodies
 
-    def shares(self) -> Floats:
-        """(n,) tokens that each row takes on average."""
-        share = np.zeros(len(self.draft))
-        for rows, found in zip(self.lists, self.found, strict=True):
-            share[rows] = found.tokens / len(rows)
-        return share
 
-    def loose(self) -> Floats:
-        """(n,) what each row is worth under a rule, for those that stand singly in the axiom."""
-        worth = np.zeros(len(self.draft))
-        for rows, found in zip(self.lists, self.found, strict=True):
-            worth[rows] = LOOSE * is_loose(self.draft, rows, found)
-        return worth
-
-
-def is_loose(draft: Draft, rows: Integers, found: Arranged) -> Flags:
-    """Which rows of a list are parts that nothing explains: they stand singly in the axiom."""
-    alone = int(draft.body[rows[0]]) == 0 and int(draft.symbol[rows[0]]) < draft.classes
-    return np.asarray((found.patterns < 0) & alone)
+def may_be_loose(draft: Draft, lists: Sequence[Integers]) -> Flags:
+    """(l,) which lists are of parts in the axiom: nothing explains those that stand singly."""
+    first = np.array([rows[0] for rows in lists], np.int64)
+    return np.asarray((draft.body[first] == 0) & (draft.symbol[first] < draft.classes))
 
 
 def priced(draft: Draft, limits: Limits, memory: Memory) -> Priced:
     """A draft with the patterns of all its lists."""
     label, count = label_rows(np.stack([draft.body, draft.symbol], axis=1))
     lists = members(label, len(count)) if len(draft) else []
-    place = np.zeros(len(draft), np.int64)
-    found = []
-    for rows in lists:
-        place[rows] = np.arange(len(rows))
-        symbol = int(draft.symbol[rows[0]])
-        shape = draft.figures[symbol]
-        found.append(arranged(shape, draft.frames[rows], symbol, limits, memory))
-    return Priced(draft, tuple(lists), tuple(found), label, place)
+    found = tuple(arranged_lists(draft, lists, limits, memory))
+    rows = np.concatenate([np.zeros(0, np.int64), *lists])
+    ends = np.cumsum(count)
+    place, loose = np.zeros(len(draft), np.int64), np.zeros(len(draft))
+    place[rows] = np.arange(len(rows)) - np.repeat(ends - count, count)
+    patterns = np.concatenate([np.zeros(0, np.int64), *(each.patterns for each in found)])
+    loose[rows] = LOOSE * ((patterns < 0) & np.repeat(may_be_loose(draft, lists), count))
+    share = (np.array([each.tokens for each in found], np.float64) / count)[label]
+    return Priced(draft, tuple(lists), found, label, place, share, loose)
 
 
 def gain_of(
@@ -87,9 +77,10 @@ def gain_of(
     fewer than `least`, some number below that.
     """
     rows = motif.rows.ravel()
-    saved = float(base.loose()[rows].sum()) - HEAD
-    for index in np.unique(base.of[rows]).tolist():
-        gone = base.place[rows[base.of[rows] == index]]
+    saved = float(base.loose[rows].sum()) - HEAD
+    of = base.of[rows]
+    for index in sorted(set(of.tolist())):
+        gone = base.place[rows[of == index]]
         saved += base.found[index].tokens - _without(base, index, gone, limits)
     inside, uses = _inside(base.draft, motif), _uses(base.draft, motif)
     saved -= sum(at_least(len(frames)) for frames in [*inside.values(), *uses])
@@ -133,8 +124,8 @@ def _without(base: Priced, index: int, gone: Integers, limits: Limits) -> int:
     left[gone] = False
     if not left.any():
         return 0
-    broken = np.unique(found.patterns[gone])
-    whole = np.setdiff1d(np.arange(len(found.each)), broken)
-    singly = base.draft.frames[rows[left & ~np.isin(found.patterns, whole)]]
+    whole = np.ones(len(found.each) + 1, np.bool_)
+    whole[-1] = whole[found.patterns[gone]] = False  # the last is for those in no pattern
+    singly = base.draft.frames[rows[left & ~whole[found.patterns]]]
     alone = placement_tokens(singly, limits.small)
-    return int(found.each[whole].sum() + every_token(singly, alone, limits.small)[0])
+    return int(found.each[whole[:-1]].sum() + every_token(singly, alone, limits.small)[0])

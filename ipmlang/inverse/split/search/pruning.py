@@ -11,8 +11,8 @@ import numpy as np
 from ipmlang.inverse.frames import compose, join
 from ipmlang.inverse.split.cost import HEAD
 from ipmlang.inverse.split.search.drafts import Draft, Limits
-from ipmlang.inverse.split.search.patterns import Memory, arranged
-from ipmlang.inverse.split.search.pricing import LOOSE, at_least, is_loose
+from ipmlang.inverse.split.search.patterns import Memory, arranged_lists
+from ipmlang.inverse.split.search.pricing import LOOSE, at_least, may_be_loose
 from ipmlang.inverse.split.snapping import label_rows, members
 
 
@@ -24,13 +24,12 @@ def tokens_of(draft: Draft, limits: Limits, memory: Memory, most: float = np.inf
     lists = sorted(members(label, len(count)), key=len)  # short ones are soon known
     total = float(HEAD * len(np.unique(np.append(draft.body, 0))))
     total += sum(at_least(len(rows)) for rows in lists)
-    for rows in lists:
+    loose = may_be_loose(draft, lists).tolist()
+    found = arranged_lists(draft, lists, limits, memory)
+    for rows, each, may_be in zip(lists, found, loose, strict=True):
+        total += each.tokens - at_least(len(rows)) + LOOSE * each.single * may_be
         if total > most:
             break
-        symbol = int(draft.symbol[rows[0]])
-        found = arranged(draft.figures[symbol], draft.frames[rows], symbol, limits, memory)
-        total += found.tokens - at_least(len(rows))
-        total += LOOSE * int(is_loose(draft, rows, found).sum())
     return total
 
 

@@ -191,7 +191,7 @@ def _cover(edges: Edges, grown: Grown, covered: Flags) -> None:
 def _offers(field: Field, grown: list[Grown], base: Priced, limits: Limits) -> list[Offer]:
     """The motifs that promise most, placed exactly."""
     promising: dict[bytes, tuple[float, Grown]] = {}
-    share, loose = base.shares(), base.loose()
+    share, loose = base.share, base.loose
     for each in grown:
         if len(np.unique(each.rows)) < each.rows.size:
             continue  # two occurrences would have to share
