@@ -35,6 +35,7 @@ from ipmlang.compiler.checking.items import check_item, entry_of
 from ipmlang.compiler.checking.nearby import glued, near_misses
 from ipmlang.compiler.checking.queries import check_asked, given_by
 from ipmlang.compiler.checking.redefinitions import check_styles
+from ipmlang.compiler.checking.taking import Taken, check_symbols, given_terminals, taken_by
 from ipmlang.compiler.diagnostics import Diagnostic, Label
 from ipmlang.compiler.load import Loaded
 from ipmlang.compiler.ops import OPERATIONS
@@ -70,14 +71,16 @@ def check(loaded: Loaded, cache: Cache | None = None) -> Checked:
 def _check(loaded: Loaded, cache: Cache) -> Checked:
     groups = _groups(loaded, cache)
     given = given_by(groups)
+    taken = taken_by(groups)
     diagnostics: list[Diagnostic] = []
     for number, group in enumerate(groups):
         found = [*group.file.problems, *_item_troubles(group)]
         found += check_groups(group, main=number == 0)
+        found += check_symbols(group, taken)
         found += check_values(group)
         found += check_asked(group, given)
         found += check_styles(group, groups)
-        found += _near_misses(group)
+        found += _near_misses(group, taken)
         if number == 0:
             found += _endless(group, cache)
         diagnostics += sorted(found, key=lambda each: (each.start, each.end))
@@ -88,7 +91,7 @@ def _check(loaded: Loaded, cache: Cache) -> Checked:
             for group in groups
             for name, entry in group.environment.values.items()
         },
-        {(use.name, use.arity): use for group in groups for use in _symbols(group)},
+        {(use.name, use.arity): use for group in groups for use in _symbols(group, taken)},
         tuple(_not_ready(groups)),
         tuple(diagnostics),
     )
@@ -197,12 +200,14 @@ def _not_ready(groups: list[Group]) -> Iterator[NotReady]:
 # ----------------------------------------------------------------------- all together
 
 
-def _near_misses(group: Group) -> Iterator[Diagnostic]:
+def _near_misses(group: Group, taken: Taken) -> Iterator[Diagnostic]:
     """Warnings for terminals whose name is one letter off a known one, or several run together."""
     places: dict[str, tuple[int, ast.Span]] = {}
     for index, findings in enumerate(group.findings):
         for (name, _), span in findings.terminals.items():
             places.setdefault(name, (index, span))
+    for (name, _), place in given_terminals(group, taken).items():
+        places.setdefault(name, place)
     known = {*group.environment.symbols, *OPERATIONS} if places else set()
     for name, other in near_misses(places, known).items():
         index, span = places[name]
@@ -245,7 +250,7 @@ def _endless(group: Group, cache: Cache) -> Iterator[Diagnostic]:
     yield from endless_in_styles(group, cache.graph[1])
 
 
-def _symbols(group: Group) -> Iterator[SymbolUse]:
+def _symbols(group: Group, taken: Taken) -> Iterator[SymbolUse]:
     prefix = group.file.prefix
     for name, entry in group.environment.symbols.items():
         arities = (entry.arities | entry.interpreted) if entry.kind != "asset" else {0}
@@ -256,3 +261,5 @@ def _symbols(group: Group) -> Iterator[SymbolUse]:
         for key in findings.terminals.keys() - told:
             told.add(key)
             yield SymbolUse(prefix + key[0], key[1], "terminal")
+    for key in given_terminals(group, taken).keys() - told:
+        yield SymbolUse(prefix + key[0], key[1], "terminal")

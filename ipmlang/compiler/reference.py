@@ -124,6 +124,16 @@ ITEMS = {
 
 ELEMENTS = {
     "Leaf(2) F +(30)": "Symbols and operations, one after the other, with blanks between them.",
+    "Card(Heart, 5)": "A rule may take symbols as it takes numbers: in `Card(s, n) --> "
+    "repeat(i < n) { [s] f(12) }`, s stands for what it was given. A parameter is a symbol where "
+    "some rule of its symbol places it, alone in its body, or hands it on to a parameter that is "
+    "one. What may be given is an asset, a rule without parameters, a terminal, such a parameter, "
+    "`at.shape` or `r.shape` of a table's row, and a choice of these, `Card(if n > 2 then Heart "
+    "else s, n)`, which is made where it stands. A name means what it means where it is written, "
+    "in another file, too. A symbol is no value: nothing compares, computes or `set`s it, "
+    "operations and symbols that take arguments need a rule to be given, and a rule that takes "
+    "symbols is no neighbour in a context. Keys, and so random numbers, are those of the same "
+    "rule written out for each symbol.",
     "[ - F ] F": "A group: what follows it starts where the group did.",
     "repeat(i < n) { [Picket(i)] f(13) }": "Copies, numbered from 0; `except (3, 7)` leaves some "
     "out, `steps (1, 2)` moves on between them, `with r in T` or `repeat(r in T)` reads a table.",

@@ -196,7 +196,15 @@ def fits(actual: ValueType, expected: ValueType) -> bool:
 
 # A text may turn out to be a colour or an asset's name only when it is known: literals are looked
 # at by `is_color`. A number in a whole number's place is rounded by nobody, but may be whole.
-_WIDER = frozenset({("int", "number"), ("number", "int"), ("string", "color"), ("color", "string")})
+_WIDER = frozenset(
+    [
+        ("int", "number"),
+        ("number", "int"),
+        ("string", "color"),
+        ("color", "string"),
+        ("asset", "symbol"),
+    ]
+)
 
 
 def common(first: ValueType, second: ValueType) -> ValueType | None:
@@ -207,6 +215,8 @@ def common(first: ValueType, second: ValueType) -> ValueType | None:
         return "any"
     if {first, second} == {"int", "number"}:
         return "number"
+    if {first, second} == {"asset", "symbol"}:
+        return "symbol"
     return "string" if {first, second} == {"string", "color"} else None
 
 

@@ -15,7 +15,14 @@ from ipmlang.compiler.parse import parse_item
 from ipmlang.edit.additions import with_made_asset
 from ipmlang.edit.arithmetic import literal
 from ipmlang.edit.draft import Draft
-from ipmlang.edit.replacing import Symbol, check_rule, replaced, runs_by_steps
+from ipmlang.edit.replacing import (
+    Symbol,
+    check_rule,
+    replaced,
+    rules,
+    runs_by_steps,
+    terminals,
+)
 from ipmlang.edit.selection import NOTHING
 from ipmlang.edit.symbols import Elements, free_name, nodes
 from ipmlang.edit.trial import Frame, Trial, try_part
@@ -71,11 +78,17 @@ def _variants(grammar: ast.Grammar, wanted: Symbol) -> list[Symbol]:
         for node in nodes(item):
             if isinstance(node, ast.Module) and node.name == wanted.name:
                 found[node.args] = None
-    computed = [args for args in found if not all(isinstance(a.value, ast.Number) for a in args)]
+    known = terminals(grammar) | rules(grammar)
+    computed = [args for args in found if not all(_is_known(a.value, known) for a in args)]
     if computed:
         hint = f"flatten one set of arguments: --rule '{wanted.name}(3)'"
         raise fail("bad-command", f"`{wanted.name}` is used with computed arguments", hint=hint)
     return [Symbol(wanted.name, args) for args in found]
+
+
+def _is_known(value: ast.Expr, symbols: set[str]) -> bool:
+    """Whether an argument is a number as it is written, or the name of a symbol."""
+    return isinstance(value, ast.Number) or (isinstance(value, ast.Name) and value.id in symbols)
 
 
 def _flattened(draft: Draft, each: Symbol, seed: int) -> Draft:
@@ -83,7 +96,7 @@ def _flattened(draft: Draft, each: Symbol, seed: int) -> Draft:
     trial = try_part(draft, (ast.Module(each.name, args),), seed)
     if not trial.drawing.elements:
         raise fail(NOTHING, f"`{each.name}` draws nothing that could become an asset")
-    values = [f"{a.value.value:g}" for a in args if isinstance(a.value, ast.Number)]
+    values = [_spelled(a.value) for a in args]
     plain = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", each.name)
     wish = "_".join([word(plain) or "part", *values])
     name = free_name(draft.grammar, wish)
@@ -95,6 +108,17 @@ def _flattened(draft: Draft, each: Symbol, seed: int) -> Draft:
         draft, each, lambda last: (asset,) if last else (asset, *move), f"the asset {name}"
     )
     return replace(draft, notes=(*draft.notes, *_notes(each, trial)))
+
+
+def _spelled(value: ast.Expr) -> str:
+    """An argument as a part of a name."""
+    match value:
+        case ast.Number(number):
+            return f"{number:g}"
+        case ast.Name(name):
+            return word(name)
+        case _:
+            return ""
 
 
 def motion(end: Frame) -> Elements:

@@ -26,7 +26,9 @@ from ipmlang.edit.symbols import (
     free_name,
     needed_names,
     nodes,
+    placed_names,
     used_names,
+    with_given,
     with_modules,
     with_shapes,
     without_names,
@@ -91,9 +93,9 @@ def substitute(draft: Draft, symbol: Symbol, by: str, *, scale: float | None, fi
         first = (_module("*", scale),)
     made = (*first, *part)
     often = sum(symbol.matches(each) for each in _modules(draft.grammar)) > 1
-    # A row of a table places a symbol by its name, so that more than one needs a rule.
-    tabled = not symbol.args and with_shapes(draft.grammar, symbol.name, symbol.name)[1] > 0
-    if len(made) > 1 and (tabled or (often and not runs_by_steps(draft.grammar))):
+    # A row of a table and a call give a symbol by its name, so that more than one needs a rule.
+    named = not symbol.args and _is_named(draft.grammar, symbol.name)
+    if len(made) > 1 and (named or (often and not runs_by_steps(draft.grammar))):
         draft, name = _with_rule(draft, by, (ast.Bracket(made),))
         made, first, moves = (ast.Module(name),), (), False
     bare = not first and not moves
@@ -115,11 +117,12 @@ def replaced(draft: Draft, symbol: Symbol, made: Callable[[bool], Elements], by:
         return (replace(first, comments=module.comments + first.comments), *rest)
 
     before = needed_names(draft.grammar) | {symbol.name}
+    for change, alone in ((with_shapes, True), (with_given, False)):
+        if not symbol.args and change(draft.grammar, symbol.name, symbol.name)[1]:
+            draft, name = _name_of(draft, made(alone), symbol.name)
+            grammar, more = change(draft.grammar, symbol.name, name)
+            draft, count = replace(draft, grammar=grammar), count + more
     grammar = with_modules(draft.grammar, make)
-    match made(True):
-        case (ast.Module(name, ()),) if not symbol.args:
-            grammar, rows = with_shapes(grammar, symbol.name, name)
-            count += rows
     if count == 0:
         hint = "a name without arguments stands for all of its uses"
         raise fail(NOTHING, f"`{symbol.name}` is used nowhere in this way", hint=hint)
@@ -130,6 +133,20 @@ def replaced(draft: Draft, symbol: Symbol, made: Callable[[bool], Elements], by:
         told.append(Change("no longer needed", ", ".join(sorted(gone)), "left out"))
     grammar = without_names(grammar, gone)
     return replace(draft, grammar=grammar, changes=(*draft.changes, *told))
+
+
+def _is_named(grammar: ast.Grammar, name: str) -> bool:
+    """Whether rows of tables place a symbol, or rules are given it."""
+    return any(change(grammar, name, name)[1] for change in (with_shapes, with_given))
+
+
+def _name_of(draft: Draft, made: Elements, wish: str) -> tuple[Draft, str]:
+    """A name for elements where only a name can stand: their own, or that of a rule of them."""
+    match made:
+        case (ast.Module(name, ()),):
+            return draft, name
+        case _:
+            return _with_rule(draft, wish, made)
 
 
 # ------------------------------------------------------------------------ what is there
@@ -143,7 +160,7 @@ def rules(grammar: ast.Grammar) -> set[str]:
 def terminals(grammar: ast.Grammar) -> set[str]:
     """Symbols that no rule rewrites: assets, and names that nothing defines."""
     assets = {n for item in grammar.items if isinstance(item, ast.Asset) for n in item.names}
-    used = {each.name for each in _modules(grammar) if each.name not in OPERATIONS}
+    used = placed_names(grammar) - OPERATIONS.keys()
     dotted = {name for name in used if "." in name}
     return (assets | used) - rules(grammar) - dotted
 

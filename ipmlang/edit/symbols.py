@@ -14,6 +14,7 @@ from typing import TypeAlias, TypeVar, assert_never, cast
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.ops import FUNCTIONS, OPERATIONS
+from ipmlang.compiler.passing import leaves, passing, symbols_among
 from ipmlang.compiler.places import SHAPE
 from ipmlang.compiler.tokens import is_free_name
 
@@ -61,6 +62,84 @@ def with_shapes(grammar: ast.Grammar, name: str, by: str) -> tuple[ast.Grammar, 
             item = replace(item, rows=rows)
         items.append(item)
     return replace(grammar, items=tuple(items)), count
+
+
+def with_given(grammar: ast.Grammar, name: str, by: str) -> tuple[ast.Grammar, int]:
+    """The grammar with another symbol where rules are given one, and how many times they are.
+
+    >>> leaf, stem = ast.Name("leaf"), ast.Rule(ast.Head("P", (ast.Parameter("s"),)),
+    ...                                         (ast.Module("s"),))
+    >>> given = ast.Start((ast.Module("P", (ast.Argument(leaf),)),))
+    >>> made, count = with_given(ast.Grammar((stem, given)), "leaf", "bud")
+    >>> made.items[1].axiom[0].args[0].value.id, count
+    ('bud', 1)
+    """
+    count = 0
+    taken = taking(grammar)
+
+    def given(expr: ast.Expr) -> ast.Expr:
+        nonlocal count
+        if isinstance(expr, ast.If):
+            return replace(expr, value=given(expr.value), other=given(expr.other))
+        if not isinstance(expr, ast.Name) or expr.id != name:
+            return expr
+        count += 1
+        return replace(expr, id=by)
+
+    def module(one: ast.Module, _: bool) -> Elements:
+        places = taken.get((one.name, len(one.args)), frozenset())
+        args = tuple(
+            replace(each, value=given(each.value)) if place in places else each
+            for place, each in enumerate(one.args)
+        )
+        return (replace(one, args=args) if places else one,)
+
+    items = tuple(
+        item if _hides(item, name) else _with_modules(item, module) for item in grammar.items
+    )
+    return replace(grammar, items=items), count
+
+
+def _hides(item: ast.Item, name: str) -> bool:
+    """Whether a name is a parameter in an item."""
+    return isinstance(item, ast.Rule) and name in {each.name for each in item.head.parameters}
+
+
+def taking(grammar: ast.Grammar) -> dict[tuple[str, int], frozenset[int]]:
+    """Which arguments of the rules of a grammar are symbols, by name and number of arguments."""
+    placed: list[tuple[str, int, int]] = []
+    passed: list[tuple[tuple[str, int, int], tuple[str, int, int]]] = []
+    for rule in grammar.items:
+        if not isinstance(rule, ast.Rule):
+            continue
+        own, found = (rule.head.name, len(rule.head.parameters)), passing(rule)
+        placed += ((*own, number) for number in found.placed)
+        passed += (
+            ((*own, each.parameter), (each.name, each.arity, each.argument))
+            for each in found.passed
+        )
+    taken: dict[tuple[str, int], frozenset[int]] = {}
+    for name, arity, number in symbols_among(placed, passed):
+        taken[name, arity] = taken.get((name, arity), frozenset()) | {number}
+    return taken
+
+
+def placed_names(grammar: ast.Grammar) -> set[str]:
+    """The symbols that bodies and axioms place, or give to rules; parameters are none."""
+    taken = taking(grammar)
+    found: set[str] = set()
+    for item in grammar.items:
+        own: set[str] = set()
+        modules = (each for each in nodes(item) if isinstance(each, ast.Module))
+        for module in modules:
+            own.add(module.name)
+            for place in taken.get((module.name, len(module.args)), ()):
+                given = leaves(module.args[place].value)
+                own |= {each.id for each in given if isinstance(each, ast.Name)}
+        if isinstance(item, ast.Rule):
+            own -= {each.name for each in item.head.parameters}
+        found |= own
+    return found
 
 
 def _elements(elements: Elements, make: Make, closed: bool) -> Elements:

@@ -40,6 +40,28 @@ def test_so_does_the_motion_of_the_turtle(tmp_path: Path, drawn: Drawn, rule: st
     assert compare(drawn(before), drawn(after)).agrees(1e-9)
 
 
+GIVEN = """\
+ipm 1
+canvas (0, 0, 40, 40)
+turtle width 1
+Row(s, n) : n > 0 --> s f(1) Row(s, n - 1)
+Row(s, n) : else  --> [s]
+Leaf --> F(3) +(30) F(2)
+Bud  --> F(2)
+start at(10, 10) Row(Leaf, 3) [Row(Bud, 2)] Leaf
+"""
+
+
+@pytest.mark.parametrize("rule", ["Leaf", "Bud", "Row", "Row(Bud, 2)"])
+def test_rules_that_are_given_and_rules_that_take_them(
+    tmp_path: Path, drawn: Drawn, rule: str
+) -> None:
+    before, after = tmp_path / "a.ipm", tmp_path / "b.ipm"
+    before.write_text(GIVEN, encoding="utf-8")
+    edit.save(edit.flatten(edit.read(before), edit.symbol(rule)), after)
+    assert compare(drawn(before), drawn(after)).agrees(1e-9)
+
+
 def test_each_set_of_arguments_is_an_asset(tmp_path: Path) -> None:
     draft = edit.flatten(edit.read_text(MOVING), edit.symbol("Steps"))
     for name in ("steps_3", "steps_5", "steps_2"):

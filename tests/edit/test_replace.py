@@ -162,3 +162,32 @@ def test_rows_of_a_table_place_another_symbol() -> None:
     half = edit.replace_rule(draft, edit.Symbol("A"), "B", scale=0.5)
     assert "B_2, 1" in half.text and "B_2, 9" in half.text
     assert "B_2 --> [*(0.5) B]" in half.text
+
+
+GIVEN = """\
+ipm 1
+Row(s, n) : n > 0 --> s f(1) Row(if n > 2 then s else Bud, n - 1)
+Row(s, n) : else  --> [s]
+Leaf --> F(1) + F(0.5)
+Bud  --> F(2)
+start Row(Leaf, 3) [Row(Tip, 2)] Leaf
+"""
+
+
+def test_symbols_that_rules_are_given_are_replaced(tmp_path: Path) -> None:
+    (tmp_path / "a.ipm").write_text(GIVEN, encoding="utf-8")
+    draft = edit.read(tmp_path / "a.ipm")
+    twice = edit.replace_rule(draft, edit.symbol("Leaf"), "Bud").text
+    assert "Leaf_2 --> [Bud]" in twice  # behind a symbol that is given the turtle may go on
+    assert "start Row(Leaf_2, 3) [Row(Tip, 2)] Bud" in twice
+    assert "\nLeaf " not in twice
+    scaled = edit.replace_terminal(draft, "Tip", "Bud", scale=2).text
+    assert "--> [*(2) Bud]" in scaled
+    assert "start Row(Leaf, 3) [Row(Bud_2, 2)] Leaf" in scaled
+
+
+def test_parameters_are_no_terminals(tmp_path: Path) -> None:
+    (tmp_path / "a.ipm").write_text(GIVEN, encoding="utf-8")
+    with pytest.raises(IpmError) as error:
+        edit.replace_terminal(edit.read(tmp_path / "a.ipm"), "s", "Bud")
+    assert error.value.diagnostics[0].message == "this grammar has no terminal `s`"

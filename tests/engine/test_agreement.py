@@ -37,7 +37,7 @@ WRITTEN = (
     "not ", "fn ", "const ", "table ", "attr ", "split.index", "split.count", "scope.sx",
     "on polygon", "on box", 'on "lots.obj"',
     "tropism", "ignore", " < A", "> B", "snap(", "(snap:", "phase(", "count(", "overlaps(",
-    "fetch(",
+    "fetch(", "sym", "then leaf", "then block",
 )  # fmt: skip
 
 

@@ -51,6 +51,7 @@ class Scopes(Writer):
             self.settable, self.values = turtles.settable, turtles.values
             self.plants = turtles.symbols
             self.lines.append('asset block = "pieces.obj"')
+        self.given = ("block", "Panel")
         self.phased = draw.random() < 0.12
         count = draw.choice((1, 2, 2, 3, 4))
         for number in range(count):

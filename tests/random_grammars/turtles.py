@@ -51,6 +51,7 @@ class Turtles(Writer):
         if self.space and not self.scoped and draw.random() < 0.12:
             self.lines.append("tropism (0.1, 0, -1) 0.22")
         self.lines.append('asset leaf, star in "pieces.parts.svg"')
+        self.given = () if self.scoped else ("leaf", "star", "Tip")
 
     def plant(self, count: int, budget: int) -> list[Symbol]:
         """Write some symbols; later ones call earlier ones."""

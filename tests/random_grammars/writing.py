@@ -2,7 +2,8 @@
 
 A symbol is written after those that it calls, so that what a call costs (about how many shapes it
 makes) is known when a body spends its budget: every derivation ends, and stays small. A symbol that
-makes itself counts its first parameter `n` down. What stands in bodies is for the families to say.
+makes itself counts its first parameter `n` down. A symbol that takes another, `sym`, places it at
+a known cost, or hands it on. What stands in bodies is for the families to say.
 """
 
 from __future__ import annotations
@@ -22,6 +23,9 @@ PARAMETERS = (
     Value("g", kind="truth"),
 )
 
+
+TAKEN_SYMBOL = Value("sym", kind="symbol")
+GIVEN_COST = 6  # a symbol that is given to another makes at most so many shapes
 
 RARE = (
     "center", "mirrorScope", "alignScope", "rotateScope", "about:", "tag(", "label(", "report(",
@@ -97,11 +101,14 @@ class Writer:
     symbols: list[Symbol] = field(default_factory=list)
     settable: list[str] = field(default_factory=list)
     risk: float = 0.0
+    given: tuple[str, ...] = ()  # terminals that may be given to symbols; without any, none takes
     values: Values = field(init=False)
     dropped: tuple[str, ...] = field(init=False)
+    aside: Random = field(init=False)  # for symbols as arguments: all else is drawn as without
 
     def __post_init__(self) -> None:
         self.values = Values(self.draw, self.risk)
+        self.aside = Random(str(self.draw.getstate()[1][:3]))
         share = self.draw.choice((0.2, 0.7, 0.95))
         self.dropped = tuple(word for word in RARE if self.draw.random() < share)
 
@@ -177,6 +184,8 @@ class Writer:
         most = draw.choice((2, 3, 4, 9)) if again else 0
         if again or draw.random() < 0.3:
             own = (Value("n", 0, max(most, 4)), *own)
+        if self.given and self.aside.random() < 0.3:
+            own = (*own, TAKEN_SYMBOL)
         calls = 1 if most > 4 else draw.choice((1, 2, 2, 3)) if again else 0
         calls = min(calls, 2) if most == 4 else calls
         inside = sum(calls**k for k in range(most + 1)) if again else 1
@@ -197,7 +206,11 @@ class Writer:
             again = calls > 0 and number < len(guards) - 1
             own = Place(place.names, place.budget, form=place.form)
             own.again = Again(symbol, calls) if again else None
-            self.lines.append(f"{head}{guard} --> {self.body(own)}".rstrip())
+            body = self.body(own)
+            if TAKEN_SYMBOL in symbol.parameters and number == len(guards) - 1:
+                body += f" [{TAKEN_SYMBOL.text}]"  # a rule that places none takes none
+                own.budget -= GIVEN_COST
+            self.lines.append(f"{head}{guard} --> {body}".rstrip())
             costs.append(own.start - own.budget)
         return costs
 
@@ -241,6 +254,10 @@ class Writer:
     def call(self, place: Place, among: Sequence[Symbol] | None = None) -> str | None:
         """A call of a symbol that fits the form and the budget, or of the symbol itself."""
         draw = self.draw
+        placing = among is None and TAKEN_SYMBOL in place.names and place.budget >= GIVEN_COST
+        if placing and self.aside.random() < 0.5:
+            place.budget -= GIVEN_COST
+            return TAKEN_SYMBOL.text
         known = self.symbols if among is None else among
         fitting = [
             each for each in known if each.cost <= place.budget and each.form in ("", place.form)
@@ -268,12 +285,30 @@ class Writer:
                 return values.text(place.names)
             case "truth":
                 return values.condition(place.names, 1)
+            case "symbol":
+                return self._symbol_given(place)
             case _ if parameter.text == "n":
                 return first or values.whole(0, symbol.most, place.names)
             case _:
                 return values.number(
                     parameter.low, parameter.high, place.names, exact=parameter.exact
                 )
+
+    def _symbol_given(self, place: Place) -> str:
+        """A terminal, a symbol without parameters, the one that was taken, or one of two."""
+        small = (
+            each.name
+            for each in self.symbols
+            if not each.parameters and not each.form and each.cost <= GIVEN_COST
+        )
+        taken = [TAKEN_SYMBOL.text] * 2 if TAKEN_SYMBOL in place.names else []
+        known = [*self.given, *small, *taken]
+        one, other = self.aside.choice(known), self.aside.choice(known)
+        if self.aside.random() < 0.7:
+            return one
+        counted = [each.text for each in place.names if each.text == "n"]
+        condition = self.aside.choice(("rand() < 0.4", *(f"{each} > 1" for each in counted)))
+        return f"if {condition} then {one} else {other}"
 
     def several(self, place: Place, step: str) -> str | None:
         """Copies of a symbol, each a `step` further: as many as the budget allows."""

@@ -32,8 +32,10 @@ from ipmlang.compiler.checking.operations import (
     use_operation,
     warn_of_mixture,
 )
+from ipmlang.compiler.checking.symbols import place_parameter, type_given
 from ipmlang.compiler.diagnostics import nearest
 from ipmlang.compiler.ops import OPERATIONS
+from ipmlang.compiler.ops.record import ValueType
 from ipmlang.compiler.places import COLUMNS, SHAPE, row_of
 
 _Element: TypeAlias = (
@@ -96,7 +98,7 @@ def _module(scope: Scope, module: ast.Module, certain: bool) -> None:
     local = scope.locals.get(name)
     if not count and isinstance(local, Slot):
         local.read = True
-        _local_as_symbol(scope, module, local)
+        place_parameter(scope, module, local)
         return
     entry, record = scope.view.symbol(name), OPERATIONS.get(name)
     named = any(argument.name is not None for argument in module.args)
@@ -120,7 +122,12 @@ def _module(scope: Scope, module: ast.Module, certain: bool) -> None:
 
 
 def _call(scope: Scope, module: ast.Module, certain: bool) -> None:
-    types = tuple(type_of(scope, argument.value) for argument in module.args)
+    types: list[ValueType] = []
+    named: list[tuple[int, ast.Name]] = []
+    for number, argument in enumerate(module.args):
+        found: list[ast.Name] = []
+        types.append(type_given(scope, argument.value, found))
+        named += ((number, name) for name in found)
     for argument in module.args:
         if argument.name is not None:
             scope.findings.trouble(
@@ -129,7 +136,7 @@ def _call(scope: Scope, module: ast.Module, certain: bool) -> None:
                 f"rules take their arguments by place, not by name: `{argument.name}:`",
             )
     sites = scope.findings.calls.setdefault((module.name, len(types)), [])
-    sites.append(CallSite(module.span, types, certain))
+    sites.append(CallSite(module.span, tuple(types), certain, tuple(named)))
 
 
 def _wrong_arity(scope: Scope, module: ast.Module, arities: frozenset[int]) -> None:
@@ -170,15 +177,6 @@ def _undefined(scope: Scope, module: ast.Module, certain: bool) -> None:
     span = ast.Span(module.span.start, module.span.start + len(name))
     scope.findings.trouble(
         span, "unknown-symbol", message, suggestions=environment.nearest("symbol", name, known)
-    )
-
-
-def _local_as_symbol(scope: Scope, module: ast.Module, local: Slot) -> None:
-    scope.findings.trouble(
-        module.span,
-        f"{local.kind.split()[0]}-as-symbol",
-        f"`{module.name}` is a {local.kind}, and no symbol is called so",
-        hint=f"to place the asset that it stands for, write insert({module.name})",
     )
 
 

@@ -27,7 +27,8 @@ from ipmlang.compiler.types import COLOR_WORDS, PHRASES, common, fits, is_color
 @dataclass(slots=True, eq=False)
 class Slot:
     """A parameter, the number of a copy or a name that a body gives: the type asked of it, and
-    where that was. `source`: what else has its value; `exact`: it may feed a decision.
+    where that was. `source`: what else has its value; `exact`: it may feed a decision;
+    `valued`: where its value is first read, other than to hand it on.
     """
 
     type: ValueType = "any"
@@ -36,6 +37,7 @@ class Slot:
     source: Slot | None = None
     exact: bool = True
     read: bool = False
+    valued: ast.Span | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,8 +98,11 @@ def _ask(scope: Scope, name: ast.Name, expected: ValueType) -> bool:
     if not isinstance(slot, Slot):
         return False
     slot.read = True
+    slot.valued = slot.valued or name.span
     if slot.type == "any":
-        _settle(slot, expected, name.span)
+        settle(slot, expected, name.span)
+    elif slot.type == "symbol":  # that it has no value is said once, by whoever knows all rules
+        return True
     elif not fits(slot.type, expected):
         used = None if slot.place is None else (slot.place, f"here it is {PHRASES[slot.type]}")
         scope.findings.trouble(
@@ -109,7 +114,7 @@ def _ask(scope: Scope, name: ast.Name, expected: ValueType) -> bool:
     return True
 
 
-def _settle(slot: Slot | None, expected: ValueType, place: ast.Span) -> None:
+def settle(slot: Slot | None, expected: ValueType, place: ast.Span) -> None:
     """A value takes a type under all its names."""
     while slot is not None and slot.type == "any":
         slot.type, slot.place = expected, place
@@ -191,6 +196,7 @@ def _name(scope: Scope, name: ast.Name) -> ValueType:
     local = scope.locals.get(name.id)
     if isinstance(local, Slot):
         local.read = True
+        local.valued = local.valued or name.span
         return local.type
     head, dot, column = name.id.partition(".")
     row = scope.locals.get(head)

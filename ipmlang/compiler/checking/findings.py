@@ -12,17 +12,21 @@ from typing import TypeAlias
 from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import Diagnostic, Label
 from ipmlang.compiler.ops.record import ValueType
+from ipmlang.compiler.passing import Passing
 
 Key: TypeAlias = tuple[str, int]
 
 
 @dataclass(frozen=True, slots=True)
 class CallSite:
-    """A symbol with arguments in a body. `certain`: it is made whenever the body is."""
+    """A symbol with arguments in a body. `certain`: it is made whenever the body is; `named`: the
+    names among its arguments that mean no value, each with the number of its argument.
+    """
 
     span: ast.Span
     types: tuple[ValueType, ...]
     certain: bool
+    named: tuple[tuple[int, ast.Name], ...] = ()
 
 
 @dataclass(slots=True, eq=False)
@@ -35,6 +39,8 @@ class Findings:
     operations that no executor runs yet. `result`: the type of a constant's or function's value.
     `edges`: the symbols called, each with whether for certain. `odd`: those of them that are given
     something else than numbers; `asks`: some parameter must be something else than a number.
+    `passing`: what a rule does with its parameters as symbols; `valued`: those that it reads, and
+    where first; `named`: the symbols that are called with names that mean no value.
     `given`: labels, keys of reports and phases, with their texts where they are known; `asked`:
     those that queries name. `references`: files looked for. `answers`: what was looked up, with the
     answer it got; the findings hold while these hold.
@@ -51,6 +57,9 @@ class Findings:
     edges: tuple[tuple[Key, bool], ...] = ()
     odd: frozenset[Key] = frozenset()
     asks: bool = False
+    passing: Passing | None = None
+    valued: dict[str, ast.Span] = field(default_factory=dict)
+    named: tuple[Key, ...] = ()
     given: set[tuple[str, str | None]] = field(default_factory=set)
     asked: list[tuple[str, str, ast.Span]] = field(default_factory=list)
     references: tuple[str, ...] = ()

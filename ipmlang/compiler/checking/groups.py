@@ -275,6 +275,8 @@ def _argument_types(group: Group) -> Iterator[Diagnostic]:
             parameters = asked.get(key) or _parameters(group, key)
             for site in findings.calls[key]:
                 for (name, kind), given in zip(parameters, site.types, strict=False):
+                    if "symbol" in (kind, given):  # what takes symbols is not known here
+                        continue
                     if not fits(given, kind):
                         yield group.diagnostic(
                             index,

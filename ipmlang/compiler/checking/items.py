@@ -29,6 +29,7 @@ from ipmlang.compiler.diagnostics import nearest
 from ipmlang.compiler.ops import CONSTANTS, FUNCTIONS, SETTINGS
 from ipmlang.compiler.ops.record import Param, ValueType
 from ipmlang.compiler.ops.settings import VERSIONS
+from ipmlang.compiler.passing import context_modules, passing
 from ipmlang.compiler.places import SHAPE
 from ipmlang.compiler.types import ATTR_TYPES, NUMERIC, PHRASES, fits
 
@@ -101,6 +102,9 @@ def _close(scope: Scope) -> None:
         for key, sites in findings.calls.items()
         if any(kind not in NUMERIC for site in sites for kind in site.types)
     )
+    findings.named = tuple(
+        key for key, sites in findings.calls.items() if any(site.named for site in sites)
+    )
     findings.asks = any(kind not in NUMERIC for _, kind in findings.parameters)
     findings.references = tuple(name for kind, name in findings.answers if kind == "reference")
 
@@ -110,8 +114,8 @@ def _close(scope: Scope) -> None:
 
 def _rule(scope: Scope, rule: ast.Rule) -> None:
     head = rule.head
-    contexts = [*_parameters(head.left), *head.parameters, *_parameters(head.right)]
-    _bind(scope, contexts)
+    beside = [each for module in context_modules(head) for each in module.parameters]
+    _bind(scope, [*beside, *head.parameters])
     if head.name.rpartition(".")[2] == "nil":
         scope.findings.trouble(head.span, "reserved-name", "`nil` makes nothing and has no rules")
     if rule.guard is not None and not isinstance(rule.guard, ast.Otherwise):
@@ -120,22 +124,19 @@ def _rule(scope: Scope, rule: ast.Rule) -> None:
     if rule.chance is not None:
         _chance(scope, rule.chance)
     check_body(scope, rule.body)
+    for each in beside:
+        if _slot_type(scope, each.name) == "symbol":
+            message = f"`{each.name}` is a parameter of a neighbour, and cannot be a symbol"
+            scope.findings.trouble(each.span, "symbol-in-context", message)
+    own = ((each.name, scope.locals[each.name]) for each in head.parameters)
+    scope.findings.valued = {
+        name: slot.valued for name, slot in own if isinstance(slot, Slot) and slot.valued
+    }
+    found = passing(rule)
+    scope.findings.passing = found if found.placed or found.passed else None
     scope.findings.parameters = tuple(
         (each.name, _slot_type(scope, each.name)) for each in head.parameters
     )
-
-
-def _parameters(
-    context: ast.Context | ast.ContextBranch | None,
-) -> list[ast.Parameter]:
-    """The parameters of a context in the order of the text."""
-    found: list[ast.Parameter] = []
-    for module in () if context is None else context.modules:
-        if isinstance(module, ast.ContextModule):
-            found += module.parameters
-        else:
-            found += _parameters(module)
-    return found
 
 
 def _bind(scope: Scope, parameters: Sequence[ast.Parameter]) -> None:

@@ -166,7 +166,7 @@ def _first(
                 name = "split"
             case _:
                 continue
-        record = OPERATIONS.get(name)
+        record = OPERATIONS.get(name) if name not in scope.locals else None
         if record is not None and record.effect == effect and scope.view.symbol(name) is None:
             return name, element.span
     return None

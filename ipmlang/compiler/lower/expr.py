@@ -55,8 +55,16 @@ class Row:
     name: str = ""
 
 
+@dataclass(frozen=True, slots=True)
+class Named:
+    """A symbol that a rule was given: a name, and the unit in which it is one."""
+
+    unit: Unit
+    name: str
+
+
 Operand: TypeAlias = Known | Register
-Binding: TypeAlias = Operand | Load | Row
+Binding: TypeAlias = Operand | Load | Row | Named
 Environment: TypeAlias = Mapping[str, Binding]
 _Key: TypeAlias = tuple[ir.Opcode, object]
 
@@ -298,6 +306,8 @@ class Code:
             return bound
         if isinstance(bound, Load):
             return self.load(bound.op, bound.number)
+        if isinstance(bound, Named):
+            raise self.error(expr.span, "wrong-type", f"`{expr.id}` is a symbol, and has no value")
         first, _, column = expr.id.rpartition(".")
         row = names.get(first)
         if isinstance(row, Row) and column in row.columns:

@@ -8,24 +8,29 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import replace
 from typing import Protocol, assert_never
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import IpmError
-from ipmlang.compiler.lower.expr import Binding, Code, Environment, Load, Operand, Row
+from ipmlang.compiler.lower.expr import Binding, Code, Environment, Load, Named, Operand, Row
 from ipmlang.compiler.lower.names import Unit
 from ipmlang.compiler.lower.operands import form_for, operands
 from ipmlang.compiler.lower.split import Splitting, selector
-from ipmlang.compiler.ops import OPERATIONS, OPERATORS, Operation
+from ipmlang.compiler.lower.symbols import Bound, Choosing, Put
+from ipmlang.compiler.ops import OPERATIONS, Operation
 from ipmlang.compiler.places import AT, PLACED, SHAPE, row_of, way_to_place
 
 
 class Namer(Protocol):
     """Numbers what bodies name."""
 
-    def symbol(self, unit: Unit, name: str, arity: int) -> int | None:
-        """The number of a symbol, None where no executor runs it yet."""
+    def symbol(self, unit: Unit, name: str, arity: int, bound: Bound = ()) -> int | None:
+        """The number of a symbol with as many arguments, some of which are `bound` to symbols;
+        None where no executor runs it yet.
+        """
+
+    def takes(self, unit: Unit, name: str, arity: int) -> frozenset[int]:
+        """Which of the arguments of a symbol are symbols."""
 
     def mark(self, name: str, close: bool) -> int | None:
         """The symbol of the opening or closing brace of an operation, None as above."""
@@ -35,10 +40,10 @@ class Namer(Protocol):
     ) -> tuple[int, tuple[str, ...], int] | None:
         """Number, columns and row count of a table, or of its rows that place a symbol."""
 
-    def runs(self, unit: Unit, name: str) -> tuple[str, ...]:
+    def runs(self, unit: Unit, name: str) -> tuple[Named, ...]:
         """The symbols that the rows of a table place, if the rows of each stand together."""
 
-    def choices(self, unit: Unit, name: str) -> tuple[tuple[str, ...], int]:
+    def choices(self, unit: Unit, name: str) -> tuple[tuple[Named, ...], int]:
         """The symbols that the rows of a table place, and a table of which of them each does."""
 
     def steps_table(self, steps: tuple[float, ...]) -> int:
@@ -61,14 +66,14 @@ class Body:
     def __init__(self, namer: Namer) -> None:
         self._namer = namer
         self._repeats = 0
-        self._shape: str | None = None  # what `at.shape` stands for
+        self._choosing = Choosing(self._number, namer.choices)
 
     def write(self, code: Code, elements: Sequence[ast.Element], names: Environment) -> None:
         """Append the elements to the code; what they `set` ends with them."""
         before = dict(code.changed)
         for number, element in enumerate(elements):
             match element:
-                case ast.Module() if self._spreads(code, element):
+                case ast.Module() if self._spreads(code, element, names):
                     self._spread(code, element, elements[number + 1 :], names)
                     break
                 case ast.Module():
@@ -110,60 +115,74 @@ class Body:
         return self._repeats - 1
 
     def _module(self, code: Code, module: ast.Module, names: Environment) -> None:
-        if module.name == PLACED and self._shape is not None:
-            module = replace(module, name=self._shape)
-        row = names.get(row_of(module.name))
-        if isinstance(row, Row) and not module.args:
-            self._chosen(code, module, row, names)
+        given = isinstance(names.get(module.name), Named)
+        if not module.args and (given or isinstance(names.get(row_of(module.name)), Row)):
+            symbol = ast.Name(module.name, module.span)
+            self._choosing.put(code, symbol, names, module.span, self._put(module))
+            return
+        taken = self._namer.takes(code.unit, module.name, len(module.args))
+        if taken:
+            self._given(code, module, sorted(taken), (None,) * len(module.args), names)
             return
         record = self._namer.operation(code.unit, module.name)
         scoped = record is not None and bool(record.meaning)
         arity = len(form_for(record, module.args)) if record and scoped else len(module.args)
-        symbol = self._namer.symbol(code.unit, module.name, arity)
-        if symbol is None:
+        number = self._namer.symbol(code.unit, module.name, arity)
+        if number is None:
             self._namer.refuse(code, module.span, module.name)
             return
         if record is not None and scoped:
             args = operands(code, record, module.args, names)
         else:
-            given = (each.value for each in self._ordered(module))
-            args = [_value(code, module.name, each, names) for each in given]
-        code.module(symbol, args, module.span)
+            written = (each.value for each in self._ordered(module))
+            args = [_value(code, module.name, each, names) for each in written]
+        code.module(number, args, module.span)
 
-    def _chosen(self, code: Code, module: ast.Module, row: Row, names: Environment) -> None:
-        """The symbol of a row's column `shape`."""
-        shapes, table = self._namer.choices(code.unit, row.name)
-        if shapes:
-            self._one_of(code, module, shapes, (Row(table, (SHAPE,), row.index), 0), names)
+    def _put(self, module: ast.Module) -> Put:
+        """What writes a symbol that a parameter, or a row of a table, stands for."""
 
-    def _one_of(
+        def write(code: Code, symbol: Named) -> None:
+            number = self._namer.symbol(symbol.unit, symbol.name, 0)
+            if number is None:
+                self._namer.refuse(code, module.span, symbol.name)
+            else:
+                code.module(number, (), module.span)
+
+        return write
+
+    def _given(
         self,
         code: Code,
         module: ast.Module,
-        shapes: Sequence[str],
-        choice: tuple[Row, int],
+        taken: Sequence[int],
+        bound: Bound,
         names: Environment,
     ) -> None:
-        """The symbol whose number a row says, `choice[1]` for the first: by halves, each of which
-        is drawn once or not at all, so that many rows of many symbols take few questions.
-        """
-        if len(shapes) == 1:
-            self._module(code, replace(module, name=shapes[0]), names)
+        """A symbol some of whose arguments are symbols: `taken` of these are still to be found."""
+        if taken:
+            place = taken[0]
+
+            def write(inner: Code, symbol: Named) -> None:
+                known = (*bound[:place], symbol, *bound[place + 1 :])
+                self._given(inner, module, taken[1:], known, names)
+
+            self._choosing.put(code, module.args[place].value, names, module.span, write)
             return
-        row, first = choice
-        middle = len(shapes) // 2
-        said, limit = code.row(row, SHAPE), code.number(first + middle)
-        for sign, half, start in (("<", shapes[:middle], 0), (">=", shapes[middle:], middle)):
-            inner = code.block()
-            self._one_of(inner, module, half, (row, first + start), names)
-            often = code.call(OPERATORS[sign], (said, limit))
-            code.repeat(self._number(), (often,), inner, module.span)
+        number = self._namer.symbol(code.unit, module.name, len(module.args), bound)
+        assert number is not None  # it has rules
+        values = [
+            code.value(each.value, names)
+            for each, symbol in zip(module.args, bound, strict=True)
+            if symbol is None
+        ]
+        code.module(number, values, module.span)
 
     # -------------------------------------------------------------- parts of a shape
 
-    def _spreads(self, code: Code, module: ast.Module) -> bool:
+    def _spreads(self, code: Code, module: ast.Module, names: Environment) -> bool:
         record = self._namer.operation(code.unit, module.name)
-        return record is not None and record.spreads and bool(record.meaning)
+        hidden = not module.args and isinstance(names.get(module.name), Named)
+        return record is not None and record.spreads and bool(record.meaning) and not hidden
 
     def _spread(
         self,
@@ -255,16 +274,17 @@ class Body:
 
     def _repeat(self, code: Code, repeat: ast.Repeat, names: Environment) -> None:
         """Copies; where rows of one symbol stand together, those of each symbol by themselves."""
-        head, before = repeat.head, self._shape
-        shapes: tuple[str | None, ...] = (before,)
+        head = repeat.head
+        shapes: tuple[Named | None, ...] = ()
         if isinstance(head, ast.Rows) and head.places:
-            shapes = self._namer.runs(code.unit, head.table) or (None,)
-        for shape in shapes:
-            self._shape = shape
-            self._copies(code, repeat, names)
-        self._shape = before
+            shapes = self._namer.runs(code.unit, head.table)
+        for shape in shapes or (None,):
+            self._copies(code, repeat, names, shape)
 
-    def _copies(self, code: Code, repeat: ast.Repeat, names: Environment) -> None:
+    def _copies(
+        self, code: Code, repeat: ast.Repeat, names: Environment, shape: Named | None
+    ) -> None:
+        """Copies, of a table's rows those that place a symbol."""
         number = self._number()
         copy = Load("index", number)
         own: dict[str, Binding] = dict(names)
@@ -272,7 +292,7 @@ class Body:
             limit = code.value(repeat.head.limit, names)
             own[repeat.head.variable] = copy
         else:
-            limit = self._rows(code, repeat.head, copy, own)
+            limit = self._rows(code, repeat.head, copy, own, shape)
         if repeat.rows is not None:
             self._rows(code, repeat.rows, copy, own)
         args = [limit, *(code.value(each, names) for each in repeat.holes)]
@@ -282,13 +302,23 @@ class Body:
             self._step(inner, repeat, copy)
         code.repeat(number, args, inner, repeat.span)
 
-    def _rows(self, code: Code, rows: ast.Rows, copy: Load, names: dict[str, Binding]) -> Operand:
-        """Bind a row's variable; the number of rows."""
-        found = self._namer.table(code.unit, rows.table, self._shape if rows.places else None)
+    def _rows(
+        self,
+        code: Code,
+        rows: ast.Rows,
+        copy: Load,
+        names: dict[str, Binding],
+        shape: Named | None = None,
+    ) -> Operand:
+        """Bind a row's variable, and the symbol of the row where it is known; how many rows."""
+        found = self._namer.table(code.unit, rows.table, None if shape is None else shape.name)
         if found is None:
             raise code.error(rows.span, "unknown-table", f"there is no table `{rows.table}`")
         table, columns, count = found
         names[rows.variable] = Row(table, columns, copy, rows.table)
+        names.pop(f"{rows.variable}.{SHAPE}", None)
+        if shape is not None:
+            names[PLACED] = shape
         return code.number(count)
 
     def _standing(

@@ -11,18 +11,21 @@ from collections.abc import Sequence
 
 from ipmlang.compiler import ast, ir
 from ipmlang.compiler.lower.carrying import Changes
-from ipmlang.compiler.lower.expr import Code, Counter, Environment, Load, Pool
+from ipmlang.compiler.lower.expr import Binding, Code, Counter, Environment, Load, Pool
 from ipmlang.compiler.lower.lsystem import Body, Namer
 from ipmlang.compiler.lower.names import Place, Unit
+from ipmlang.compiler.lower.symbols import Bound
 
 GUARD_SITE = 0x10000000  # the first site of guards; bodies start at 0, the choice is 0x40000000
 CHANCE_SITE = 0x20000000
 
 
 def production(
-    pool: Pool, namer: Namer, place: Place, symbol: int, rule: ast.Rule
+    pool: Pool, namer: Namer, place: Place, symbol: int, rule: ast.Rule, bound: Bound = ()
 ) -> tuple[ir.Production, Changes]:
-    """The production of a rule, and which of its modules stand behind a `set`."""
+    """The production of a rule, some of whose parameters are `bound` to symbols, and which of its
+    modules stand behind a `set`.
+    """
     unit, item = place.unit, place.item
     counter = Counter()
     modules: list[ast.ContextModule | ast.Head] = [
@@ -30,8 +33,19 @@ def production(
         rule.head,
         *_modules(rule.head.right),
     ]
-    parameters = [each.name for module in modules for each in module.parameters]
-    names = {name: Load("param", number) for number, name in enumerate(parameters)}
+    given = {
+        each.name: named
+        for each, named in zip(rule.head.parameters, bound, strict=False)
+        if named is not None
+    }
+    parameters = [
+        each.name
+        for module in modules
+        for each in module.parameters
+        if module is not rule.head or each.name not in given
+    ]
+    names: dict[str, Binding] = dict(given)
+    names |= {name: Load("param", number) for number, name in enumerate(parameters)}
     guard, chance = None, None
     if rule.guard is not None and not isinstance(rule.guard, ast.Otherwise):
         counter.site = GUARD_SITE

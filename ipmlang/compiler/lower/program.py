@@ -6,7 +6,8 @@ reported at once, each with its place, when it can be reached; what cannot be is
 
 from __future__ import annotations
 
-from collections import deque
+from collections import Counter, deque
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Literal
 
@@ -14,18 +15,21 @@ from ipmlang.compiler import ast, ir
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail
 from ipmlang.compiler.lower import analysis, settings
 from ipmlang.compiler.lower.carrying import Changes, carried
-from ipmlang.compiler.lower.expr import Code, Pool
+from ipmlang.compiler.lower.expr import Code, Named, Pool
 from ipmlang.compiler.lower.meaning import Meanings, steps_of
 from ipmlang.compiler.lower.names import Place, Unit
 from ipmlang.compiler.lower.productions import axiom, production
 from ipmlang.compiler.lower.sampling import context_files
 from ipmlang.compiler.lower.strings import Misplaced, Strings
+from ipmlang.compiler.lower.symbols import Bound, Takers
 from ipmlang.compiler.lower.tables import Tables
 from ipmlang.compiler.ops import OPERATIONS, Operation
 from ipmlang.compiler.places import SHAPE, in_runs, shapes_of
 
 SCOPE_FAMILIES = ("scope", "solid", "split")
-Key = tuple[int, str, int]  # the unit that defines it (0: none does), name, arity
+MOST_KINDS = 10_000  # of one rule: a rule that swaps many symbols could stand for any number
+# the unit that defines it (0: none does), name, arity, which of its arguments are which symbols
+Key = tuple[int, str, int, Bound]
 
 
 class Lowering:
@@ -42,8 +46,10 @@ class Lowering:
         self._meanings = Meanings(self._pool, main, self._turtle)
         self._numbers: dict[Key, int] = {}
         self._found: dict[Key, int | None] = {}
+        self._takers = Takers(units)
+        self._kinds: Counter[tuple[int, str, int]] = Counter()
         self._symbols: list[ir.Symbol] = []
-        self._waiting: deque[tuple[int, Unit, str]] = deque()
+        self._waiting: deque[tuple[int, Unit, str, int, Bound]] = deque()
         self._productions: list[ir.Production] = []
         self._changes: list[Changes] = []
         self._refused: dict[str, list[Diagnostic]] = {}
@@ -116,14 +122,20 @@ class Lowering:
 
     # ------------------------------------------------------------------ what bodies ask
 
-    def symbol(self, unit: Unit, name: str, arity: int) -> int | None:
-        """The number of a symbol, None where no executor runs it yet."""
-        written = (id(unit), name, arity)
+    def symbol(self, unit: Unit, name: str, arity: int, bound: Bound = ()) -> int | None:
+        """The number of a symbol with as many arguments, some of which are `bound` to symbols;
+        None where no executor runs it yet.
+        """
+        written = (id(unit), name, arity, bound)
         if written not in self._found:
-            self._found[written] = self._find(unit, name, arity)
+            self._found[written] = self._find(unit, name, arity, bound)
         return self._found[written]
 
-    def _find(self, unit: Unit, name: str, arity: int) -> int | None:
+    def takes(self, unit: Unit, name: str, arity: int) -> frozenset[int]:
+        """Which of the arguments of a symbol are symbols."""
+        return self._takers.of(unit, name, arity)
+
+    def _find(self, unit: Unit, name: str, arity: int, bound: Bound) -> int | None:
         """The number of a symbol that is named for the first time in a file."""
         record = OPERATIONS.get(name)
         owner, own = unit.within(name)
@@ -136,20 +148,35 @@ class Lowering:
         if record is not None and steps is None and not rules and asset is None:
             return None
         shown = record.name if record is not None and asset is None else own
-        key = (id(owner) if rules or asset is not None else 0, shown, arity)
+        key = (id(owner) if rules or asset is not None else 0, shown, arity, bound)
         if key not in self._numbers:
             held = record is not None and asset is None and record.family in SCOPE_FAMILIES
-            number = self._add(key, ir.Symbol(shown, arity, held=held and not rules))
+            left = arity - sum(each is not None for each in bound)
+            number = self._add(key, ir.Symbol(shown, left, held=held and not rules))
             if asset is not None and place is not None:
                 self._give(
                     number,
                     (ir.Instruction("emit", const=self._pool.asset(place.unit, own, asset)),),
                 )
-            elif record is not None and steps is not None:
+            elif record is not None and steps is not None and not any(bound):
                 self._give(number, *self._meanings.of(record, arity, steps))
             if rules:
-                self._waiting.append((number, owner, own))
+                self._check_kinds(owner, own, arity, bound)
+                self._waiting.append((number, owner, own, arity, bound))
         return self._numbers[key]
+
+    def _check_kinds(self, unit: Unit, name: str, arity: int, bound: Bound) -> None:
+        """A rule that swaps the symbols that it is given may stand for very many rules."""
+        if not any(bound):
+            return
+        key = (id(unit), name, arity)
+        self._kinds[key] += 1
+        if self._kinds[key] > MOST_KINDS:
+            place = [*unit.rules.get(name, ()), *unit.interpretations.get(name, ())][0]
+            span = place.unit.grammar.items[place.item].span
+            message = f"`{name}` is given symbols in more than {MOST_KINDS:,} ways"
+            hint = "give it fewer symbols at once, or do not swap them from call to call"
+            raise place.unit.error(place.item, span, "too-many-symbols", message, hint)
 
     def mark(self, name: str, close: bool) -> int | None:
         """The symbol of the opening or closing brace of an operation."""
@@ -158,22 +185,22 @@ class Lowering:
         middle = [number for number, step in enumerate(steps or ()) if step.op == "body"]
         if record is None or steps is None or not middle:
             return None
-        key = (0, "}" if close else "{", -1 - list(OPERATIONS).index(name))
+        key: Key = (0, "}" if close else "{", -1 - list(OPERATIONS).index(name), ())
         if key not in self._numbers:
             half = steps[middle[0] + 1 :] if close else steps[: middle[0]]
             number = self._add(key, ir.Symbol(key[1], 0))
             self._give(number, *self._meanings.of(record, 0, half))
         return self._numbers[key]
 
-    def runs(self, unit: Unit, name: str) -> tuple[str, ...]:
+    def runs(self, unit: Unit, name: str) -> tuple[Named, ...]:
         """The symbols that the rows of a table place, if the rows of each stand together."""
         found = _table(unit, name)
-        return shapes_of(found[1]) if found is not None and in_runs(found[1]) else ()
+        return _shapes(found) if found is not None and in_runs(found[1]) else ()
 
-    def choices(self, unit: Unit, name: str) -> tuple[tuple[str, ...], int]:
+    def choices(self, unit: Unit, name: str) -> tuple[tuple[Named, ...], int]:
         """The symbols that the rows of a table place, and a table of which of them each does."""
         found = _table(unit, name)
-        return ((), 0) if found is None else (shapes_of(found[1]), self._tables.choices(found[0]))
+        return ((), 0) if found is None else (_shapes(found), self._tables.choices(found[0]))
 
     def table(
         self, unit: Unit, name: str, shape: str | None = None
@@ -220,31 +247,25 @@ class Lowering:
         symbol = self._symbols[number]
         self._symbols[number] = replace(symbol, meaning=meaning, meaning_registers=registers)
 
-    def _lower_rules(self, number: int, unit: Unit, name: str) -> None:
-        symbol = self._symbols[number]
+    def _lower_rules(self, number: int, unit: Unit, name: str, arity: int, bound: Bound) -> None:
         spellings = _spellings(name, OPERATIONS.get(name))
-        made = [
-            self._alternatives(number, symbol.arity, named, spellings)
-            for named in (unit.rules, unit.interpretations)
-        ]
+        made = []
+        for named in (unit.rules, unit.interpretations):
+            places = [place for each in spellings for place in named.get(each, ())]
+            made.append(self._alternatives(number, places, arity, bound))
         self._symbols[number] = replace(
             self._symbols[number], productions=made[0], interpretation=made[1]
         )
 
     def _alternatives(
-        self,
-        number: int,
-        arity: int,
-        named: dict[str, list[Place]],
-        spellings: tuple[str, ...],
+        self, number: int, places: Sequence[Place], arity: int, bound: Bound
     ) -> tuple[int, ...]:
-        places = [place for each in spellings for place in named.get(each, ())]
         numbers = []
         for place in sorted(places, key=lambda each: each.item):
             rule = place.unit.grammar.items[place.item]
             assert isinstance(rule, ast.Rule)
             if len(rule.head.parameters) == arity:
-                made, behind = production(self._pool, self, place, number, rule)
+                made, behind = production(self._pool, self, place, number, rule, bound)
                 numbers.append(len(self._productions))
                 self._productions.append(made)
                 self._changes.append(behind)
@@ -343,6 +364,12 @@ def _table(unit: Unit, name: str) -> tuple[Place, ast.Table] | None:
     if place is None or not isinstance(item, ast.Table) or SHAPE not in item.columns:
         return None
     return place, item
+
+
+def _shapes(found: tuple[Place, ast.Table]) -> tuple[Named, ...]:
+    """The symbols that the rows of a table place, as the file of the table knows them."""
+    place, table = found
+    return tuple(Named(place.unit, name) for name in shapes_of(table))
 
 
 def _terminal(symbol: ir.Symbol) -> ir.Symbol:
