@@ -33,7 +33,8 @@ from ipmlang.inverse.moves import call
 from ipmlang.inverse.naming import Names, own_hint, shape_word
 from ipmlang.inverse.observation import Observation
 from ipmlang.inverse.reach import measure
-from ipmlang.inverse.recursion import Recursion, as_grammar, fold
+from ipmlang.inverse.recursion import Recursion, as_grammar, fold, fold_repeats
+from ipmlang.inverse.recursion.program import Again, Body
 from ipmlang.inverse.simplify import AXIOM, make_book
 from ipmlang.inverse.stretches import POLYGON, Stretch, stretches
 from ipmlang.inverse.terminals import asset_element
@@ -73,17 +74,29 @@ def write_recursion(subject: Subject) -> Recursive | None:
 
 
 def _folded(observed: Observation, stretch: Stretch) -> tuple[Recursion | None, int | None]:
-    """The recursion that draws a stretch, and the decimals that its points were rounded to."""
+    """The recursion that draws a stretch, and the decimals that its points were rounded to: rules
+    if there are any, else, of an outline, repeats.
+    """
+    points = np.concatenate([stretch.start, stretch.end])
+    extent = max(1e-300, abs(complex(np.ptp(points.real), np.ptp(points.imag))))
+    exact = TOLERANCE * observed.diagonal / extent
+    decimals = _decimals(observed, points)
+    grain = 0.0 if decimals is None else 10.0**-decimals
+    rounded = NEAREST * grain / extent
     start, end = stretch.start, stretch.end
     styles = observed.style[stretch.rows].astype(np.int64) if not stretch.braces else None
-    points = np.concatenate([start, end])
-    extent = max(1e-300, abs(complex(np.ptp(points.real), np.ptp(points.imag))))
-    found = fold(start, end, styles=styles, tolerance=TOLERANCE * observed.diagonal / extent)
-    decimals = None if found is not None else _decimals(observed, points)
-    if decimals is not None:
-        grain = 10.0**-decimals
-        off = NEAREST * grain / extent
-        found = fold(start, end, styles=styles, tolerance=off, grain=grain, seconds=ROUNDED)
+    found = fold(start, end, styles=styles, tolerance=exact)
+    if found is not None:
+        return found, None
+    if grain:
+        found = fold(start, end, styles=styles, tolerance=rounded, grain=grain, seconds=ROUNDED)
+    if found is None and stretch.braces:
+        closed = stretch.braces == POLYGON
+        found = fold_repeats(start, end, closed=closed, tolerance=exact)
+        if found is not None:
+            return found, None
+        if grain:
+            found = fold_repeats(start, end, closed=closed, tolerance=rounded, grain=grain)
     return found, decimals
 
 
@@ -103,7 +116,13 @@ def _decimals(observed: Observation, points: Complexes) -> int | None:
 
 
 def _rules(recursion: Recursion) -> int:
-    return len(recursion.rules) + sum(len(each) for each in recursion.alternatives.values())
+    """How many rules and repeats there are."""
+    several = sum(len(each) for each in recursion.alternatives.values())
+    return len(recursion.rules) + several + _repeats(recursion.start)
+
+
+def _repeats(body: Body) -> int:
+    return sum(1 + _repeats(each.body) for each in body if isinstance(each, Again))
 
 
 def _written(subject: Subject, found: Recursion, stretch: Stretch, decimals: int | None) -> Written:

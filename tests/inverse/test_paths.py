@@ -102,3 +102,52 @@ def test_curves_without_a_rule_stay_terminals(tmp_path: Path) -> None:
         source.write_text(page(f'<polyline points="{told}" fill="none" stroke="#000"/>'))
         found = given_back(source, tmp_path)
         assert found.report.rules == 0 and "polyline" in found.text
+
+
+def gear(teeth: int, decimals: int) -> list[tuple[float, float]]:
+    """A closed outline of four corners a tooth."""
+    angles = np.arange(teeth)[:, None] * 2 * np.pi / teeth + np.array([0, 0.02, 0.05, 0.08])
+    points = np.array([100, 120, 120, 100]) * np.exp(1j * angles) + 200 + 200j
+    points = points.ravel().round(decimals)
+    return [(point.real, point.imag) for point in points.tolist()]
+
+
+def steps(*moves: tuple[float, float], times: int) -> list[tuple[float, float]]:
+    """Points of moves that repeat."""
+    points = np.cumsum([(20, 200), *list(moves) * times], axis=0)
+    return [(x, y) for x, y in points.tolist()]
+
+
+CASTLE = [*[(0, -10), (10, 0), (0, 10), (10, 0)] * 5, (0, -40), (60, 0), (0, 40)]
+REPEATING = {
+    "zigzag": (steps((8, 15), (8, -15), times=25), "repeat(i < 25) { F + F - }", 45),
+    "stairs": (steps((7, 0), (0, 5), times=20), "repeat(i < 20) {", 45),
+    "meander": (
+        steps((0, -40), (40, 0), (0, 30), (-20, 0), (0, -15), (10, 0), (0, 25), (20, 0), times=9),
+        "repeat(i < 9) {",
+        75,
+    ),
+    "castle": (steps(*CASTLE, times=3), "repeat(j < 5) { F - F - F + F + }", 75),
+}
+
+
+@pytest.mark.parametrize("name", REPEATING)
+def test_what_repeats_along_a_line_is_repeated(name: str, tmp_path: Path) -> None:
+    points, said, most = REPEATING[name]
+    told = " ".join(f"{x:g},{y:g}" for x, y in points)
+    source = tmp_path / "drawn.svg"
+    source.write_text(page(f'<polyline points="{told}" fill="none" stroke="#000"/>'))
+    found = given_back(source, tmp_path)
+    assert said in found.text, found.text
+    assert found.report.tokens <= most
+
+
+@pytest.mark.parametrize("decimals", [2, 5])
+@pytest.mark.parametrize("teeth", [12, 31, 48])
+def test_a_gear_is_its_tooth_repeated(teeth: int, decimals: int, tmp_path: Path) -> None:
+    told = " ".join(f"{x:.{decimals}f},{y:.{decimals}f}" for x, y in gear(teeth, decimals))
+    source = tmp_path / "drawn.svg"
+    source.write_text(page(f'<polygon points="{told}" fill="#ccc" stroke="#000"/>'))
+    found = given_back(source, tmp_path)
+    assert f"repeat(i < {teeth}) {{" in found.text, found.text
+    assert "polygon {" in found.text

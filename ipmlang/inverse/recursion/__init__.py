@@ -5,6 +5,7 @@ placement) or None: `strokes` reads the joints, `windows` tells congruent runs, 
 recursions the count allows, `layout` finds the copies, `bodies` and `attach` write commands,
 `settle` proves; `stochastic` and `stems` read alternatives and their draws. `find_branching` takes
 copies of any shape in any order and gives the paper's R(m), `find_tips` what stands at its ends.
+`fold_repeats` takes segments that no recursion draws but that repeat a motif, repeats included.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from ipmlang.inverse.recursion.branching import Branching, find_branching
 from ipmlang.inverse.recursion.branching_grammar import branching_rules, branching_start, tip_place
 from ipmlang.inverse.recursion.grammar import as_grammar
 from ipmlang.inverse.recursion.program import Recursion
+from ipmlang.inverse.recursion.repetition import fold_repeats
 from ipmlang.inverse.recursion.search import fold
 from ipmlang.inverse.recursion.segments import Segments, segments
 from ipmlang.inverse.recursion.tips import Tipped, find_tips
@@ -28,6 +30,7 @@ __all__ = [
     "find_branching",
     "find_tips",
     "fold",
+    "fold_repeats",
     "segments",
     "tip_place",
 ]

@@ -12,8 +12,10 @@ from typing import TypeAlias
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.tokens import count_tokens
+from ipmlang.inverse.numbers import shortest
 from ipmlang.inverse.recursion.program import (
     DRAW,
+    Again,
     Body,
     Branch,
     Command,
@@ -27,6 +29,8 @@ from ipmlang.inverse.recursion.program import (
 )
 
 UNTOLD = {"angle": 0.0, "step": 1.0}  # settings of the turtle that need not be written
+DIGIT = 1e-10  # of a length: what a product of decimals may be off
+COUNTERS = "ijk"  # of repeats in repeats
 MOST_TURNS = 3  # so many equal turns are repeated, more are one turn by a number
 
 
@@ -50,7 +54,7 @@ def as_grammar(
     ]
     start = ast.Start(
         (*_place(recursion), *writer.body(recursion.start)),
-        steps=ast.Number(float(recursion.steps)),
+        steps=ast.Number(float(recursion.steps)) if recursion.rules else None,
         choices=_choices(recursion, writer.names),
     )
     meanings = _meanings(recursion, writer.names, pens or {})
@@ -132,7 +136,8 @@ def _free(wish: str, taken: frozenset[str]) -> str:
 def _has(kind: type[Draw] | type[Move], bodies: tuple[Body, ...]) -> bool:
     """Whether any body has such a command."""
     return any(
-        isinstance(command, kind) or (isinstance(command, Branch) and _has(kind, (command.body,)))
+        isinstance(command, kind)
+        or (isinstance(command, Branch | Again) and _has(kind, (command.body,)))
         for body in bodies
         for command in body
     )
@@ -159,12 +164,12 @@ class _Writer:
             ast.Rule(ast.Head(self.names[name]), self.body(body)) for name, body in plain
         ]
 
-    def body(self, body: Body) -> tuple[ast.Element, ...]:
-        """The elements of a successor; `nil` if there are none."""
-        made = [each for command in body for each in self.command(command)]
+    def body(self, body: Body, depth: int = 0) -> tuple[ast.Element, ...]:
+        """The elements of a successor; `nil` if there are none. depth: repeats around it."""
+        made = [each for command in body for each in self.command(command, depth)]
         return tuple(made) or (ast.Module("nil"),)
 
-    def command(self, command: Command) -> list[ast.Element]:
+    def command(self, command: Command, depth: int = 0) -> list[ast.Element]:
         """The elements of one command."""
         match command:
             case Turn(angle):
@@ -178,7 +183,10 @@ class _Writer:
             case Symbol(name):
                 return [ast.Module(self.names[name])]
             case Branch(inner):
-                return [ast.Bracket(self.body(inner))]
+                return [ast.Bracket(self.body(inner, depth))]
+            case Again(count, inner):
+                head = ast.Count(COUNTERS[depth % len(COUNTERS)], ast.Number(float(count)))
+                return [ast.Repeat(head, self.body(inner, depth + 1))]
             case Done():
                 raise TypeError("a finished symbol stands in no rule")
 
@@ -195,7 +203,8 @@ class _Writer:
         """A step, or a length of its own."""
         if length == 1:
             return ast.Module(name)
-        return _number(name, length * self.recursion.step)
+        value = length * self.recursion.step
+        return _number(name, shortest(value, DIGIT * abs(value)))
 
 
 def _number(name: str, value: float) -> ast.Module:

@@ -60,13 +60,21 @@ class Branch:
 
 
 @dataclass(frozen=True, slots=True)
+class Again:
+    """A body so many times, each where the one before ended."""
+
+    count: int
+    body: Body
+
+
+@dataclass(frozen=True, slots=True)
 class Done:
     """A symbol whose drawing is known; only while a program is expanded."""
 
     drawn: Drawn
 
 
-Command: TypeAlias = "Turn | Grow | Draw | Move | Symbol | Branch | Done"
+Command: TypeAlias = "Turn | Grow | Draw | Move | Symbol | Branch | Again | Done"
 Body: TypeAlias = "tuple[Command, ...]"
 
 
@@ -242,6 +250,10 @@ def _run(body: Body, known: Known, steps: int, turtle: _Turtle) -> None:
                 _follow(turtle, known[name, steps])
             case Done(drawn):
                 _follow(turtle, drawn)
+            case Again(count, inner):
+                drawn = _drawn(inner, known, steps)
+                for _ in range(count):
+                    _follow(turtle, drawn)
             case Branch():
                 saved = turtle.at, turtle.factor
                 _run(command.body, known, steps, turtle)

@@ -60,7 +60,7 @@ def placed_on_grain(placed: Recursion, strokes: Strokes) -> Recursion | None:
     unit = np.concatenate([drawn.start, drawn.end])
     given = np.concatenate([strokes.start, strokes.end])
     points = _Points(unit, given, WITHIN * strokes.grain)
-    for heading in dict.fromkeys(round(placed.heading, places) for places in range(PLACES)):
+    for heading in _headings(points, placed):
         turned = points.turned(heading)
         for at in _positions(turned, placed.at, placed.step):
             step = turned.step(at)
@@ -74,12 +74,26 @@ def placed_on_grain(placed: Recursion, strokes: Strokes) -> Recursion | None:
     return None
 
 
+def _headings(points: _Points, placed: Recursion) -> Iterator[float]:
+    """Headings with few digits: near the one of least squares, then near that of the placement
+    whose largest deviation is the smallest.
+    """
+    known = list(dict.fromkeys(round(placed.heading, places) for places in range(PLACES)))
+    yield from known
+    factor = placed.step * complex(np.exp(1j * np.deg2rad(placed.heading)))
+    middle = _middle(points, placed.at, factor, turning=True)
+    if middle is not None:
+        heading = float(np.degrees(np.angle(middle[1])))
+        more = dict.fromkeys(round(heading, places) for places in range(PLACES))
+        yield from (each for each in more if each not in known)
+
+
 def _positions(points: _Points, near: complex, step: float) -> Iterator[complex]:
     """Positions with few digits: near the one of least squares, then near the middle of all."""
     yield from _digits(near)
-    middle = _middle(points, near, step)
+    middle = _middle(points, near, step, turning=False)
     if middle is not None:
-        yield from _digits(middle)
+        yield from _digits(middle[0])
 
 
 def _digits(at: complex) -> Iterator[complex]:
@@ -87,45 +101,54 @@ def _digits(at: complex) -> Iterator[complex]:
         yield complex(round(at.real, places), round(at.imag, places))
 
 
-def _middle(points: _Points, near: complex, step: float) -> complex | None:
-    """The position of the placement whose largest deviation is the smallest, None if that is too
-    large; by linear programs over the points that are furthest off, more from round to round.
+def _middle(
+    points: _Points, near: complex, factor: complex, *, turning: bool
+) -> tuple[complex, complex] | None:
+    """Position and factor of the placement whose largest deviation is the smallest, None if that is
+    too large; by linear programs over the points that are furthest off, more from round to round.
+    turning: whether the factor may turn.
     """
     chosen = np.zeros(0, np.int64)
     for _ in range(ROUNDS):
-        off = _off(points, near, step)
+        off = _off(points, near, factor)
         worst = np.argsort(-off, kind="stable")[:FIRST]
         if off[worst[0]] <= points.room and len(chosen):
-            return near
+            return near, factor
         if np.isin(worst, chosen).all():
             return None
         chosen = np.union1d(chosen, worst)
-        solved = _least_largest(points.unit[chosen], points.given[chosen])
+        solved = _least_largest(points.unit[chosen], points.given[chosen], turning)
         if solved is None or solved[2] > points.room:
             return None
-        near, step, _ = solved
+        near, factor, _ = solved
     return None
 
 
-def _off(points: _Points, at: complex, step: float) -> Floats:
-    apart = points.given - at - step * points.unit
+def _off(points: _Points, at: complex, factor: complex) -> Floats:
+    apart = points.given - at - factor * points.unit
     return np.asarray(np.maximum(np.abs(apart.real), np.abs(apart.imag)))
 
 
-def _least_largest(unit: Complexes, given: Complexes) -> tuple[complex, float, float] | None:
-    """Position, step and largest deviation where that is the smallest."""
+def _least_largest(
+    unit: Complexes, given: Complexes, turning: bool
+) -> tuple[complex, complex, float] | None:
+    """Position, factor and largest deviation where that is the smallest."""
     from scipy.optimize import linprog
 
     count, base = len(unit), given.mean()
-    along = np.concatenate([unit.real, unit.imag])
+    along = [np.concatenate([unit.real, unit.imag])]
+    if turning:
+        along.append(np.concatenate([-unit.imag, unit.real]))
     across = np.repeat(np.eye(2), count, axis=0)
-    rows = np.column_stack([across, along])
+    rows = np.column_stack([across, *along])
     target = np.concatenate([(given - base).real, (given - base).imag])
     slack = -np.ones((len(rows), 1))
     left = np.block([[rows, slack], [-rows, slack]])
-    free: list[tuple[float | None, float | None]] = [(None, None)] * 3 + [(0, None)]
-    found = linprog([0, 0, 0, 1], left, np.concatenate([target, -target]), bounds=free)
+    width = rows.shape[1]
+    free: list[tuple[float | None, float | None]] = [(None, None)] * width + [(0, None)]
+    cost = [0.0] * width + [1.0]
+    found = linprog(cost, left, np.concatenate([target, -target]), bounds=free)
     if found.status != 0 or found.x is None:
         return None
-    x, y, step, largest = found.x.tolist()
-    return complex(x, y) + base, step, largest
+    x, y, *factor, largest = found.x.tolist()
+    return complex(x, y) + base, complex(factor[0], sum(factor[1:])), largest

@@ -15,6 +15,7 @@ import numpy as np
 
 from ipmlang.inverse.numbers import shortest
 from ipmlang.inverse.recursion.program import (
+    Again,
     Body,
     Branch,
     Command,
@@ -122,7 +123,7 @@ def _angles(bodies: tuple[Body, ...]) -> list[float]:
             match command:
                 case Turn(angle):
                     found.append(abs(angle))
-                case Branch(inner):
+                case Branch(inner) | Again(_, inner):
                     found += _angles((inner,))
                 case _:
                     pass
@@ -163,6 +164,8 @@ def _mapped(program: Recursion, turn: Callable[[float], float], places: int) -> 
                 return Move(shortest(length, 0.5 * 10.0 ** -(places + 1)))
             case Branch(inner):
                 return Branch(tuple(command(part) for part in inner))
+            case Again(count, inner):
+                return Again(count, tuple(command(part) for part in inner))
             case _:
                 return each
 
