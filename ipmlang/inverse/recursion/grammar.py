@@ -54,7 +54,7 @@ def as_grammar(
     ]
     start = ast.Start(
         (*_place(recursion), *writer.body(recursion.start)),
-        steps=ast.Number(float(recursion.steps)) if recursion.rules else None,
+        steps=ast.Number(float(recursion.steps)) if recursion.steps else None,
         choices=_choices(recursion, writer.names),
     )
     meanings = _meanings(recursion, writer.names, pens or {})
