@@ -10,6 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+_FEW = 64  # numbers that are sorted anyway
+_DENSE = 4  # times as large as they are many: numbers below that are counted instead
 _FACTORS = (0xBF58476D1CE4E5B9, 0x94D049BB133111EB)
 
 
@@ -50,6 +52,8 @@ def distinct_numbers(
     >>> first.tolist(), kind.tolist()
     ([1, 0, 3], [1, 0, 1, 2])
     """
+    if len(values) > _FEW and values.min() >= 0 and values.max() < _DENSE * len(values):
+        return _counted(values.astype(np.int64, copy=False))
     order = np.argsort(values)
     ordered = values[order]
     new = np.ones(len(values), np.bool_)
@@ -58,6 +62,14 @@ def distinct_numbers(
     kind[order] = np.cumsum(new) - 1
     starts = np.flatnonzero(new)
     return np.minimum.reduceat(order, starts) if len(starts) else order, kind
+
+
+def _counted(values: NDArray[np.int64]) -> tuple[NDArray[np.intp], NDArray[np.int64]]:
+    """The same for small numbers, without sorting them."""
+    place = np.full(int(values.max()) + 1, -1, np.int64)
+    place[values[::-1]] = np.arange(len(values) - 1, -1, -1)  # the first is written last
+    there = place >= 0
+    return place[there], (np.cumsum(there) - 1)[values]
 
 
 def stable_order(values: NDArray[np.int64] | NDArray[np.uint64]) -> NDArray[np.int64]:

@@ -62,9 +62,8 @@ def _solid_word(mesh: Mesh, size: Floats) -> str:
 def _ring(points: Floats, axis: int, level: float) -> Floats:
     """(k, 2) the points at a height along an axis."""
     along = points[:, axis]
-    near = np.abs(along - level) <= 1e-6 * max(float(np.ptp(along)), 1e-300)
-    across = [each for each in range(3) if each != axis]
-    flat = np.round(points[near][:, across], 9)
+    near = np.flatnonzero(np.abs(along - level) <= 1e-6 * max(float(np.ptp(along)), 1e-300))
+    flat = np.round(points[near[:, None], [each for each in range(3) if each != axis]], 9)
     return np.asarray(flat[distinct_rows(flat)[0]])
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ipmlang.formats.distinct import distinct_rows
+from ipmlang.formats.distinct import distinct_numbers, distinct_rows
 from ipmlang.formats.mesh_types import Mesh, triangulated
 from ipmlang.inverse.frames import Floats, Integers
 from ipmlang.inverse.parts.welding import linked
@@ -50,22 +50,28 @@ def compare_models(source: Mesh, derived: Mesh, limit: float) -> Difference:
     """
     if _sizes(source) != _sizes(derived):
         source, derived = _cut(source), _cut(derived)
-    own = distinct_rows(source.vertices[source.corners])
-    other = distinct_rows(derived.vertices[derived.corners])
-    places = source.vertices[source.corners[own[0]]]
-    points = derived.vertices[derived.corners[other[0]]]
+    places, own = _places(source)
+    points, other = _places(derived)
     cluster, near, error = _nearest(places, points, limit)
     if near is None:
         return Difference(_count(source), _count(derived), error)
     names = _material_numbers(source, derived)
-    first = _keys(source, cluster[own[1]], names)
-    second = _keys(derived, cluster[near][other[1]], names)
+    first = _keys(source, cluster[own], names)
+    second = _keys(derived, cluster[near][other], names)
     lost, new = _unmatched(first, second)
     return Difference(lost, new, error)
 
 
 def _count(mesh: Mesh) -> int:
     return len(mesh.offsets) - 1
+
+
+def _places(mesh: Mesh) -> tuple[Floats, Integers]:
+    """The places (p, 3) where corners are, and which of them each corner (c,) is at."""
+    used, at = distinct_numbers(mesh.corners)
+    points = mesh.vertices[mesh.corners[used]]
+    first, kind = distinct_rows(points)
+    return points[first], kind[at]
 
 
 def _sizes(mesh: Mesh) -> tuple[int, ...]:

@@ -39,9 +39,12 @@ def following(scheme: Scheme, small: float, most: int) -> Scheme:
     """The scheme with the largest spanning terminals stretched to their scopes, for no more than
     `most` tokens.
     """
+    groups = _groups(scheme)
+    if not groups:
+        return scheme
     least = _tokens(scheme, small)
     chosen: dict[tuple[int, int, int], Place] = {}
-    for group in _groups(scheme):
+    for group in groups:
         with_them = chosen | {each.spot: each.place for each in group}
         own = ATTRIBUTE if group[0].counted else 0
         if _tokens(_stretched(scheme, with_them), small) + own <= least + most:

@@ -96,6 +96,8 @@ def _home(items: list[Place | Array | Ring], small: float) -> Frames | None:
     homes = every[costly[np.abs(every.scale[costly] - 1) <= 1e-12]]
     if not len(homes):
         return None
+    if len(every) == len(items) == 1 and isinstance(items[0], Place) and not items[0].anchors:
+        return homes  # it stands once: at home it takes one token
     tokens = np.sum([_tokens_from(item, homes, small) for item in items], axis=0)
     best = int(np.argmin(tokens))
     stay = sum(item_tokens(item, small) for item in items)
