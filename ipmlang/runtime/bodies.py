@@ -26,6 +26,7 @@ from ipmlang.runtime.queries.marks import FIELD as MARK
 from ipmlang.runtime.queries.marks import PHASE
 from ipmlang.runtime.scene import SCOPE, SEGMENT
 from ipmlang.runtime.scopes import scope_bodies
+from ipmlang.runtime.symbol_rows import assets_of, named
 
 
 class Writer:
@@ -43,6 +44,7 @@ class Writer:
         self.base: State = {}
         self.owners: list[str] = []  # of the copies around, since the base was noted
         self._moving: dict[int, bool] = {}
+        self._code: dict[int, ir.Instruction] = {}  # what wrote each register so far
         self._sound: set[int] = set()  # registers of the body whose numbers are finite
         self.unknown: set[str] = set()  # of a quiet walk: what an operation on geometry made of it
 
@@ -57,6 +59,8 @@ class Writer:
         for number, each in enumerate(elements):
             if number <= passed and each.op not in ir.VALUE_OPS:
                 continue
+            if each.out >= 0:
+                self._code[each.out] = each
             if each.op == "open":
                 saved.append(dict(state))
                 state = questions.began(self, questions.inside(elements, number), scope, state)
@@ -64,6 +68,8 @@ class Writer:
                     passed = self._bracket_end(elements, number)
             elif each.op == "close":
                 state = saved.pop()
+            elif each.op == "repeat" and (last := self._named(elements, number, scope, state)):
+                passed = last
             elif each.op == "repeat":
                 state = self._repeat(each, scope, state)
             elif each.op in scope_bodies.PARTING:
@@ -373,6 +379,31 @@ class Writer:
             slots, self.slots = self.held(self.values(self.slots)), outer
             self.slots.append(f"Copies({counts}, {owner}, {slots})")
         return after
+
+    def _named(
+        self, elements: Sequence[ir.Instruction], number: int, scope: Scope, state: State
+    ) -> int:
+        """Write the choice of a symbol that a repeat begins, as one step; the last element that it
+        takes, 0 where there is none. In a program with scopes its parts may ask for what is drawn.
+        """
+        program = self._setting.program
+        found = None if program.scoped else named(elements, number, self._code)
+        assets = None if found is None else assets_of(program, found.leaves)
+        if found is None or assets is None:
+            return 0
+        if not self.quiet:
+            leaves = [
+                (leaf.symbol, leaf.site, leaf.depth, asset)
+                for leaf, asset in zip(found.leaves, assets, strict=True)
+            ]
+            said = source(scope.registers[found.register])
+            words = f"({scope.k0}, {scope.k1}, {scope.tuple})"
+            what = f"{said}, {tuple(leaves)}, {self.values(state.values())}, {words}"
+            where = f"{scope.shown}, {scope.around}"
+            self.slots.append(
+                f"*{self.held(f'place_named(run, rule, {scope.count}, {what}, {where})')}"
+            )
+        return found.last
 
     def _moves(self, repeat: ir.Instruction) -> bool:
         """Whether a copy may leave another state than it found: only then is it walked for it."""

@@ -50,7 +50,7 @@ class Chunk:
     state: dict[str, Column]
     k0: Words
     k1: Words
-    site: int = OWN
+    site: int | Words = OWN
     copies: tuple[Words, ...] = ()
     rows: NDArray[np.int64] | None = None
 
@@ -63,9 +63,9 @@ class Chunk:
     def key(self) -> NDArray[np.uint64]:
         """The keys of what was drawn, packed."""
         words = [self.column(each) for each in (self.k0, self.k1, *self.copies)]
-        if self.site == OWN:
+        if isinstance(self.site, int) and self.site == OWN:
             return keys.packed(words[0], words[1])
-        return keys.packed(*keys.child(words[0], words[1], self.site, *words[2:]))
+        return keys.packed(*keys.child(words[0], words[1], self.column(self.site), *words[2:]))
 
 
 def rows(

@@ -278,13 +278,13 @@ class Frontier(Trimming):
         self,
         count: int,
         rule: int | NDArray[np.int32],
-        symbol: int,
-        asset: int,
+        symbol: int | NDArray[np.int32],
+        asset: int | NDArray[np.int32],
         size: tuple[Column, ...],
         state: tuple[Column, ...],
         k0: Words,
         k1: Words,
-        site: int,
+        site: int | Words,
         copies: tuple[Words, ...],
         rows: NDArray[np.int64] | None,
         around: Around = (),
@@ -300,6 +300,8 @@ class Frontier(Trimming):
         if self._recorder is not None:
             self._recorder.drew(site, chunk)
         if self.asked is not None:
+            # Only in programs without scopes, where nobody asks, are many symbols drawn at once.
+            assert isinstance(symbol, int) and isinstance(asset, int) and isinstance(site, int)
             self.note_drawn(whole, symbol, asset, own, (k0, k1, site, copies), rows)
         return self.note(chunk)
 

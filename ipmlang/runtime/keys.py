@@ -40,9 +40,10 @@ def root(seed: int) -> tuple[int, int]:
     return x, y
 
 
-def child(k0: Words, k1: Words, site: int, *copies: Words | int) -> tuple[Words, Words]:
-    """Keys of the children at `site`. k0, k1: (n,) words of the parents' keys; `copies`: the
-    numbers of the copies in the repeats around the site, outermost first, each (n,) or one number.
+def child(k0: Words, k1: Words, site: Words | int, *copies: Words | int) -> tuple[Words, Words]:
+    """Keys of the children at `site`, one for all or (n,). k0, k1: (n,) words of the parents' keys;
+    `copies`: the numbers of the copies in the repeats around the site, outermost first, each (n,)
+    or one number.
     """
     return _mixed(k0, k1, (site, *copies))
 

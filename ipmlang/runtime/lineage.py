@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ipmlang.runtime import keys
 from ipmlang.runtime.drawings import Chunk
+from ipmlang.runtime.keys import Words
 from ipmlang.runtime.order import Copies, Drawn, Order, Record, Slot
 from ipmlang.runtime.pending import Shapes
 
@@ -60,7 +61,7 @@ class Recorder:
 
     batches: list[tuple[int, int, Shapes]] = field(default_factory=list)
     taken: list[tuple[int, NDArray[np.int32]]] = field(default_factory=list)
-    drawings: list[tuple[int, Chunk]] = field(default_factory=list)
+    drawings: list[tuple[int | Words, Chunk]] = field(default_factory=list)
 
     def made(self, symbol: int, site: int, shapes: Shapes) -> None:
         """Shapes of a symbol were made at a call site."""
@@ -70,8 +71,8 @@ class Recorder:
         """Shapes took a production."""
         self.taken.append((production, numbers))
 
-    def drew(self, site: int, chunk: Chunk) -> None:
-        """Terminals were drawn at a call site."""
+    def drew(self, site: int | Words, chunk: Chunk) -> None:
+        """Terminals were drawn at a call site, or at one each."""
         self.drawings.append((site, chunk))
 
     def lineage(
@@ -118,7 +119,7 @@ class Recorder:
         pens = {name: np.zeros(count) for name in fields}
         for where, chunk in self.drawings:
             rows = slice(chunk.start, chunk.start + chunk.count)
-            at[rows] = where
+            at[rows] = chunk.column(where)
             for name in fields:
                 pens[name][rows] = chunk.column(chunk.state[name])
         return at, pens

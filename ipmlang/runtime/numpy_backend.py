@@ -25,6 +25,7 @@ from ipmlang.runtime.replay import Recording, Replay
 from ipmlang.runtime.scene import Scene
 from ipmlang.runtime.scopes.reports import unfit_notes
 from ipmlang.runtime.strings import steps_of
+from ipmlang.runtime.symbol_rows import modules_in
 from ipmlang.runtime.values import Bound
 
 LONG = 500  # modules in all bodies; compiling one takes about 0.2 ms, a string 10 us
@@ -131,11 +132,7 @@ def is_independent(program: ir.Program) -> bool:
 
 def _modules(program: ir.Program) -> int:
     """How many modules stand in all bodies."""
-    return sum(_count(each.body) for each in (*program.productions, program.axiom))
-
-
-def _count(body: Sequence[ir.Instruction]) -> int:
-    return sum(1 if each.op == "module" else _count(each.body) for each in body)
+    return sum(modules_in(each.body) for each in (*program.productions, program.axiom))
 
 
 def _ops(program: ir.Program) -> Iterator[str]:

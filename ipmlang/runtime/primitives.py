@@ -71,6 +71,7 @@ def _code(text: str) -> CodeType:
 def names_for(single: bool) -> dict[str, object]:
     """The names that bodies use."""
     from ipmlang.runtime.order import Copies
+    from ipmlang.runtime.symbol_rows import place_named
 
     return {
         **namespace(single),
@@ -84,4 +85,5 @@ def names_for(single: bool) -> dict[str, object]:
         "flatnonzero": np.flatnonzero,
         "arange": np.arange,
         "Copies": Copies,
+        "place_named": place_named,
     }
