@@ -184,9 +184,9 @@ def _names_in(path: Path) -> Names:
             from ipmlang.formats.svg import svg_ids
 
             return frozenset(svg_ids(path))
-        from ipmlang.formats.mesh import mesh_names
+        from ipmlang.formats.known_parts import part_names
 
-        return frozenset(mesh_names(path))
+        return frozenset(part_names(path))
     except FormatError as error:
         return Problem("bad-file", f"{path.name}: {error.message}", error.hint)
     except ImportError:

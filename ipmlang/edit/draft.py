@@ -32,11 +32,23 @@ class Change:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Drawn:
+    """That a grammar was derived with all its files, and how many terminals it draws with seed 0:
+    it holds for these very trees and files, not for what an edit makes of them.
+    """
+
+    grammar: ast.Grammar
+    added: Mapping[str, Content]
+    terminals: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Draft:
     """A grammar being edited. path: the file it was read from, whose folder its references start
     from; added: files that edits brought, by the name that the tree uses for them (a file to copy,
     or the content of one that was made); allow_outside: whether references may leave the folder;
-    notes: what a person should know, as warnings.
+    notes: what a person should know, as warnings; drawn: what was derived of it, or of a draft that
+    it comes of.
     """
 
     path: Path
@@ -45,6 +57,15 @@ class Draft:
     added: Mapping[str, Content] = field(default_factory=dict)
     allow_outside: bool = False
     notes: tuple[Diagnostic, ...] = ()
+    drawn: Drawn | None = None
+
+    @property
+    def terminals(self) -> int | None:
+        """How many terminals it draws with seed 0; None where nobody has derived it yet."""
+        known = self.drawn
+        if known is None or known.grammar is not self.grammar or known.added is not self.added:
+            return None
+        return known.terminals
 
     @property
     def text(self) -> str:

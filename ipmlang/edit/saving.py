@@ -1,7 +1,7 @@
 """From a draft to files: what goes beside the grammar, the check, and the writing.
 
-The grammar is laid out, loaded again with all its files in a folder of its own, checked and derived
-once; only then is anything written, all of it or nothing. Files of its own (`x.parts.svg` of
+The grammar is laid out, loaded again with all its files in a folder of its own, checked, and derived
+unless the edit did that; only then is anything written, all of it or nothing. Files of its own (`x.parts.svg` of
 `x.ipm`) bear the new name; other files keep theirs and never replace a different file.
 """
 
@@ -73,7 +73,7 @@ def finish(draft: Draft, path: Path) -> Finished:
     while True:
         try:
             with staged(draft, path) as made:
-                terminals, warnings = _proven(made, path, draft.allow_outside)
+                terminals, warnings = _proven(made, path, draft)
                 files = _new_files(made.files, path)
                 return Finished(made.text, files, terminals, draft.notes + warnings)
         except IpmError as error:
@@ -191,18 +191,18 @@ def staged(draft: Draft, path: Path) -> Iterator[Staged]:
         yield Staged(Path(made) / path.name, text, files)
 
 
-def _proven(
-    made: Staged, path: Path, allow_outside: bool
-) -> tuple[int | None, tuple[Diagnostic, ...]]:
+def _proven(made: Staged, path: Path, draft: Draft) -> tuple[int | None, tuple[Diagnostic, ...]]:
     """How many terminals the staged grammar draws, and warnings; errors are about `path`."""
     folder = made.path.parent
     with about(made, path):
-        loaded = load_source(Source(str(made.path), made.text), folder, allow_outside)
+        loaded = load_source(Source(str(made.path), made.text), folder, draft.allow_outside)
         checked = check(loaded)
         errors = [each for each in checked.diagnostics if each.severity == "error"]
         if errors:
             raise IpmError(errors)
-        terminals = None if checked.not_ready else _count(checked)
+        terminals = draft.terminals
+        if terminals is None and not checked.not_ready:
+            terminals = _count(checked)
     return terminals, tuple(_moved(each, folder, path.parent) for each in checked.diagnostics)
 
 

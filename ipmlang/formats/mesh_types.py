@@ -209,13 +209,14 @@ def mapped(points: Floats, matrix: Floats) -> Floats:
 def moved(mesh: Mesh, matrix: Floats) -> Mesh:
     """The mesh under a map (3, 4); a mirroring one turns the faces' order too."""
     linear = matrix[:, :3]
-    vertices = mapped(mesh.vertices, matrix)
+    stays = bool((matrix == np.eye(3, 4)).all())
+    vertices = mesh.vertices + 0.0 if stays else mapped(mesh.vertices, matrix)  # no -0 either way
     normals = mesh.normals
     if normals is not None:
-        normals = normals @ np.linalg.pinv(linear)
+        normals = normals + 0.0 if stays else normals @ np.linalg.pinv(linear)
         normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     result = replace(mesh, vertices=vertices, normals=normals)
-    return reversed_faces(result) if np.linalg.det(linear) < 0 else result
+    return reversed_faces(result) if not stays and np.linalg.det(linear) < 0 else result
 
 
 def reversed_faces(mesh: Mesh) -> Mesh:

@@ -26,6 +26,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 _Number = TypeVar("_Number", np.float64, np.int64)
+_FARTHEST = 2**40  # of an index
 _PAINTED = 6  # numbers of a point with a colour
 _NAMES = ("o", "g", "usemtl", "mtllib")
 
@@ -204,6 +205,27 @@ def _index_table(text: str, count: int) -> Ints | None:
 
 
 def _mixed_table(at: Ints, texts: Sequence[str]) -> Ints:
+    """The same where corners are written in several ways."""
+    words = " ".join(texts).split()
+    slashes = np.array([word.count("/") for word in words], np.int64)
+    text = " ".join(words)
+    try:
+        values = _parsed(text.replace("//", "/0/").replace("/", " "), np.int64)
+    except ValueError:
+        return _one_by_one(at, texts)
+    given = slashes + 1
+    far = np.abs(values).max(initial=0) > _FARTHEST
+    if given.max() > 3 or len(values) != given.sum() or far:
+        return _one_by_one(at, texts)
+    if np.count_nonzero(values == 0) != text.count("//"):  # a 0 that was written out
+        return _one_by_one(at, texts)
+    table = np.zeros((len(words), 3), np.int64)
+    table[np.arange(3) < given[:, None]] = values
+    return table
+
+
+def _one_by_one(at: Ints, texts: Sequence[str]) -> Ints:
+    """The same, corner by corner, which finds what is wrong with one."""
     faces = zip(at.tolist(), texts, strict=True)
     return np.array(
         [_corner(line, word) for line, text in faces for word in text.split()], np.int64
@@ -219,7 +241,7 @@ def _corner(number: int, word: str) -> list[int]:
     # 0 stands for "not given" further on: written out, it is an index that points nowhere.
     if len(indices) > 3 or 0 in [i for i, part in zip(indices, parts, strict=True) if part]:
         raise FormatError(f"`{word[:40]}` is no corner of a face: indices begin at 1", number + 1)
-    if not parts[0] or any(abs(index) > 2**40 for index in indices):
+    if not parts[0] or any(abs(index) > _FARTHEST for index in indices):
         raise FormatError(f"`{word[:40]}` is no corner of a face", number + 1)
     return ([*indices, 0, 0])[:3]
 

@@ -13,6 +13,8 @@ import pytest
 
 from ipmlang import edit
 from ipmlang.compiler.diagnostics import IpmError
+from ipmlang.edit import saving
+from ipmlang.edit.buildings import dividing
 from ipmlang.edit.buildings.contacts import gaps, neighbours
 from ipmlang.edit.buildings.resizing import Wanted, resize
 from ipmlang.edit.buildings.soundness import came_apart
@@ -210,3 +212,23 @@ def test_what_turns_about_an_axis_is_still_said_so() -> None:
     made = resize(edit.read_text(STAIR), "Tower", Wanted(z=18.0), parameters=False)
     assert "repeat(i < 12) {" in made.text
     assert "translate(0, 0, 1.5 * i) rotate(0, 0, 30 * i)" in made.text
+
+
+def test_what_an_edit_derived_is_not_derived_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The proof of a resize counts for the file, but not for what another edit makes of it."""
+    draft = draft_of("wall", tmp_path)
+    made = resized(draft, "Window", "x", 1.5, 3)
+    assert made.terminals == len(grown(edit.read_text(made.text, folder=draft.folder)).owner)
+    derived: list[object] = []
+    count = saving._count
+    monkeypatch.setattr(
+        saving, "_count", lambda checked: (derived.append(checked), count(checked))[1]
+    )
+    assert edit.save(made, tmp_path / "wide.ipm").terminals == made.terminals
+    assert not derived
+    other = dividing.remove(made, "Window", number=1)
+    assert other.terminals is None
+    assert edit.save(other, tmp_path / "less.ipm").terminals < made.terminals
+    assert len(derived) == 1

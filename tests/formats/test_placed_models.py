@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ipmlang.formats import obj_read
 from ipmlang.formats.mesh import read_mesh
 from ipmlang.formats.mesh_types import Mesh, baked, triangulated
 from ipmlang.geometry.solid import Solid, polygon, unit_box
@@ -72,8 +73,8 @@ def test_a_file_is_read_once_for_all_its_parts(
     rows = table([[0, 0, 0]] * 60, 0)
     rows.asset[:] = np.arange(60)
     reads: list[Path] = []
-    original = Path.read_bytes
-    monkeypatch.setattr(Path, "read_bytes", lambda path: (reads.append(path), original(path))[1])
+    original = obj_read.read_obj
+    monkeypatch.setattr(obj_read, "read_obj", lambda path: (reads.append(path), original(path))[1])
     assert len(mesh_scene_of(scene(rows, *assets)).meshes) == 60
     assert len(reads) == 1
 

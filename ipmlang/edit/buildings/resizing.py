@@ -174,7 +174,7 @@ def _attempted(
         size = float(np.ptp(np.concatenate([made.low, made.high])[:, axis]))
         _check_followed(tree, after, picked, axes, axis, (factor[axis] - 1) * size)
     check_sound(tree, after, near)
-    return result
+    return after.draft
 
 
 def _check_followed(

@@ -8,16 +8,17 @@ changed or judged here.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ipmlang.compiler import ast, compile_file, compile_text, ir
+from ipmlang.compiler import ast, compile_file, compile_loaded, ir
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail, nearest
-from ipmlang.edit.draft import Draft
+from ipmlang.compiler.load import load_text
+from ipmlang.edit.draft import Draft, Drawn
 from ipmlang.edit.saving import about, staged
 from ipmlang.inverse.frames import Floats, Frames, Integers, corners, inverse, linear
 from ipmlang.runtime import derive
@@ -178,11 +179,23 @@ def grown(
     IpmError for what cannot be derived, and for grammars whose shapes do not expand independently.
     """
     if not draft.added:
-        program = compile_text(draft.text, folder=draft.folder)[1]
-        return tree_of(draft, program, seed=seed, attrs=attrs, like=like)
-    with staged(draft, draft.path) as made, about(made, draft.path):
-        program = compile_file(made.path, allow_outside=draft.allow_outside)[1]
-        return tree_of(draft, program, seed=seed, attrs=attrs)
+        loaded = load_text(draft.text, draft.folder, draft.allow_outside)
+        tree = tree_of(draft, compile_loaded(loaded)[1], seed=seed, attrs=attrs, like=like)
+    else:
+        with staged(draft, draft.path) as made, about(made, draft.path):
+            program = compile_file(made.path, allow_outside=draft.allow_outside)[1]
+            tree = tree_of(draft, program, seed=seed, attrs=attrs)
+    if seed == 0 and not attrs and not any(map(_replays, draft.grammar.items)):
+        drawn = Drawn(draft.grammar, draft.added, len(tree.scene.instances))
+        tree = replace(tree, draft=replace(draft, drawn=drawn))
+    return tree
+
+
+def _replays(item: ast.Item) -> bool:
+    """Whether an item speaks of what was drawn without a seed."""
+    return isinstance(item, ast.Residual) or (
+        isinstance(item, ast.Start) and item.choices is not None
+    )
 
 
 def tree_of(

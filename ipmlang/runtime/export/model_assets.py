@@ -12,7 +12,7 @@ from pathlib import Path
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.formats import FormatError
 from ipmlang.formats.drawing import Note
-from ipmlang.formats.mesh_types import Mesh, baked
+from ipmlang.formats.mesh_types import Mesh
 from ipmlang.runtime.scene import AssetRef
 
 
@@ -41,14 +41,14 @@ def _check_model(asset: AssetRef) -> None:
 
 
 def _read(path: Path, assets: list[AssetRef]) -> list[tuple[Mesh, tuple[Note, ...]]]:
-    from ipmlang.formats.mesh import read_parts
+    from ipmlang.formats.known_parts import part_meshes
 
     try:
-        found = read_parts(path, [asset.node for asset in assets])
+        found = part_meshes(path, [asset.node for asset in assets])
     except FormatError as error:
         place = f"{path.name}:{error.line}" if error.line else path.name
         raise fail("bad-asset", f"{place}: {error.message}", hint=error.hint) from error
-    return [(baked(scene), tuple(_of_file(path, note) for note in scene.notes)) for scene in found]
+    return [(mesh, tuple(_of_file(path, note) for note in notes)) for mesh, notes in found]
 
 
 def _of_file(path: Path, note: Note) -> Note:

@@ -44,8 +44,7 @@ class AssetSolids:
 
     def _solids(self, numbers: Sequence[int]) -> list[Solid]:
         """The assets of these numbers, parts of one file."""
-        from ipmlang.formats.mesh import read_parts
-        from ipmlang.formats.mesh_types import baked
+        from ipmlang.formats.known_parts import part_meshes
 
         path = self._assets[numbers[0]].path
         if path.suffix.lower() in (".svg", ".svgz"):
@@ -55,11 +54,11 @@ class AssetSolids:
                 hint="`insert` takes assets from glb, obj, ply and stl files",
             )
         try:
-            scenes = read_parts(path, [self._assets[number].node for number in numbers])
+            parts = part_meshes(path, [self._assets[number].node for number in numbers])
         except FormatError as error:
             place = f"{path.name}:{error.line}" if error.line else path.name
             raise fail("bad-asset", f"{place}: {error.message}", hint=error.hint) from error
-        return [_solid(baked(scene)) for scene in scenes]
+        return [_solid(mesh) for mesh, _ in parts]
 
 
 def _solid(mesh: Mesh) -> Solid:
