@@ -12,8 +12,10 @@ from dataclasses import dataclass, replace
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import IpmError, fail
+from ipmlang.compiler.format import format_grammar
 from ipmlang.formats.drawing import Drawing
 from ipmlang.inverse.compare import Comparison
+from ipmlang.inverse.curves import with_curves
 from ipmlang.inverse.deviations import rule_errors
 from ipmlang.inverse.explanation import Explanation, explain
 from ipmlang.inverse.folding import rules_drawn
@@ -26,7 +28,7 @@ from ipmlang.inverse.grammar_file import (
 )
 from ipmlang.inverse.options import USUAL, Options
 from ipmlang.inverse.prove import prove
-from ipmlang.inverse.recursive_file import write_recursion
+from ipmlang.inverse.recursive_file import TOLERANCE, write_recursion
 from ipmlang.inverse.report import Report, RuleError
 from ipmlang.inverse.simplify import AXIOM, Book, make_book
 from ipmlang.inverse.terminals import grouped
@@ -280,13 +282,12 @@ def _first_right(
         if comparison.agrees(limit):
             flat = flat_tokens + round(attempt.spared)
             report = _report(goal, attempt, written, comparison, flat)
-            if found is None:
-                return Made(written.grammar, parts, report)
-            if attempt.name == "rules" and goal.options.mode != "exact":
+            if found is not None and attempt.name == "rules" and goal.options.mode != "exact":
                 report = replace(report, rule_errors=_rule_errors(found))
-            return Made(
-                written.grammar, parts, report, _explanation(goal, found, attempts, attempt)
-            )
+            explained = None if found is None else _explanation(goal, found, attempts, attempt)
+            made = Made(written.grammar, parts, report, explained)
+            only_flat = found is None and attempt.name == "flat"
+            return made if only_flat else _curved(goal, written, made)
         wrong = comparison
     assert wrong is not None
     raise fail(
@@ -295,6 +296,27 @@ def _first_right(
         f"missing, {wrong.style_differences} styled otherwise, error {wrong.max_error:.1e}",
         hint="this is a fault of ipmlang; please report the drawing",
     )
+
+
+def _curved(goal: Goal, written: Written, made: Made) -> Made:
+    """With rules for the assets that turtles drew, where these give the drawing back."""
+    curved = with_curves(written, TOLERANCE * goal.observed.diagonal)
+    if curved is None:
+        return made
+    limit = goal.given.proof
+    comparison = prove(goal.drawing, format_grammar(curved.grammar), curved.parts, goal.stem, limit)
+    if not comparison.agrees(limit):
+        return made
+    more = curved.elements / max(1, len(goal.observed))
+    report = replace(
+        made.report,
+        explained=min(1.0, made.report.explained + more),
+        rules=made.report.rules + curved.rules,
+        rules_twice=made.report.rules_twice + curved.rules,
+        tokens_flat=made.report.tokens_flat + curved.numbers,
+        max_error=comparison.max_error,
+    )
+    return replace(made, grammar=curved.grammar, parts=curved.parts, report=report)
 
 
 def _rule_errors(found: Found) -> tuple[RuleError, ...]:

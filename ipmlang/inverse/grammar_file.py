@@ -9,8 +9,9 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from ipmlang.compiler import ast
 from ipmlang.compiler.format import format_grammar
 from ipmlang.compiler.places import SHAPE
 from ipmlang.compiler.tokens import count_text_tokens
-from ipmlang.formats.drawing import Effect
+from ipmlang.formats.drawing import DrawnElement, Effect
 from ipmlang.formats.svg import table_xml
 from ipmlang.formats.svg.parts import write_parts
 from ipmlang.inverse.build import Builder, Painted
@@ -54,20 +55,30 @@ GRID = 2e-7  # of the diagonal: what a place on a grid may be off
 SHARE = 1e-8  # of the diagonal: what one rounded number may move a point by
 
 
+class Parts(Protocol):
+    """Prints the parts file."""
+
+    def __call__(self, but: frozenset[str] = frozenset()) -> str:
+        """The text of it, without some assets."""
+
+
 @dataclass(frozen=True, eq=False)
 class Written:
     """The tree, what prints the parts file, how many cells that file's tables have, and what these
     weigh, see `weight`; how many tokens tables of many things spare; folded: what rules with
-    parameters changed; gridded: the tables that stand on grids, and how many cells these have.
+    parameters changed; gridded: the tables that stand on grids, and how many cells these have;
+    assets: what the terminals show, y down, and uses: how many elements each draws.
     """
 
     grammar: ast.Grammar
-    parts: Callable[[], str]
+    parts: Parts
     table_tokens: int
     table_weight: float
     spared: float = 0.0
     folded: Folded | None = None
     gridded: tuple[frozenset[str], int] = (frozenset(), 0)
+    assets: Callable[[], Mapping[str, DrawnElement]] = dict
+    uses: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def tokens(self) -> int:
@@ -180,13 +191,18 @@ def write_grammar(book: Book, subject: Subject) -> Written:
     items += [spaced(rule, first=k == 0) for k, rule in enumerate(rules)]
     items.append(ast.Start(begin))
 
-    def parts() -> str:
-        shown = {named[k]: [asset_element(terminals[k], book.assets.get(k))] for k in assets}
-        return write_parts(shown, effects=shown_effects, tables=stored)
+    def shown() -> dict[str, DrawnElement]:
+        return {named[k]: asset_element(terminals[k], book.assets.get(k)) for k in assets}
 
+    def parts(but: frozenset[str] = frozenset()) -> str:
+        kept = {name: [each] for name, each in shown().items() if name not in but}
+        return write_parts(kept, effects=shown_effects, tables=stored)
+
+    often = np.bincount(subject.instanced.string.symbol, minlength=len(terminals))
+    uses = {named[k]: int(often[k]) for k in assets}
     left = sum(tokens for name, tokens in spared.items() if name not in grids.names)
     gridded = frozenset(grids.names), grids.cells
-    return Written(ast.Grammar(tuple(items)), parts, *cells, left, folded, gridded)
+    return Written(ast.Grammar(tuple(items)), parts, *cells, left, folded, gridded, shown, uses)
 
 
 def _started(rules: list[ast.Rule]) -> tuple[list[ast.Rule], tuple[ast.Element, ...]]:

@@ -9,6 +9,7 @@ writes to disk.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -16,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.compiler import ast
-from ipmlang.formats.drawing import Style
+from ipmlang.formats.drawing import DrawnElement, Style
 from ipmlang.formats.svg.parts import write_parts
 from ipmlang.inverse.build import Builder
 from ipmlang.inverse.coats import declarations
@@ -154,12 +155,15 @@ def _written(subject: Subject, found: Recursion, stretch: Stretch, decimals: int
     made += [spaced(rule, first=k == 0) for k, rule in enumerate(rules)]
     made.append(replace(start, axiom=drawn if len(axiom) == 1 else axiom))
 
-    def parts() -> str:
+    def shown() -> dict[str, DrawnElement]:
         terminals = subject.instanced.terminals
-        shown = {name: [asset_element(terminals[k], None)] for k, name in given.named.items()}
-        return write_parts(shown, effects={}, tables=stored)
+        return {name: asset_element(terminals[k], None) for k, name in given.named.items()}
 
-    return Written(ast.Grammar(tuple(made)), parts, *cells)
+    def parts(but: frozenset[str] = frozenset()) -> str:
+        kept = {name: [each] for name, each in shown().items() if name not in but}
+        return write_parts(kept, effects={}, tables=stored)
+
+    return Written(ast.Grammar(tuple(made)), parts, *cells, assets=shown, uses=given.uses)
 
 
 def _turtle(items: Sequence[ast.Item], width: float) -> list[ast.Turtle]:
@@ -233,7 +237,7 @@ class _Others:
         self.string = instanced.string
         book = make_book(instanced.alphabet, instanced.string)
         terminals = instanced.terminals
-        rest = (k for row, k in enumerate(self.string.symbol.tolist()) if row not in drawn)
+        rest = [k for row, k in enumerate(self.string.symbol.tolist()) if row not in drawn]
         used = sorted(set(rest))
         self.named: dict[int, str] = {}
         for number in used:
@@ -242,6 +246,8 @@ class _Others:
             word = shape_word(terminal.shape.kind, terminal.shape.outline, kind)
             hint = own_hint(observed.sources[terminal.row], 0)
             self.named[number] = names.give(hint or word)
+        often = Counter(rest)
+        self.uses = {self.named[k]: often[k] for k in used}
         radius = {k: float(instanced.alphabet[k].radius) for k in range(len(terminals))}
         reach = measure(book, radius, subject.share * observed.diagonal)
         self.builder = Builder(book, reach, self.named, {}, names, "", {}, use_tables=False)

@@ -82,8 +82,10 @@ def _outlines(observed: Observation, straight: Integers) -> Iterator[Stretch]:
     if len(rows) > 1 and _together(observed, rows) and np.ptp(observed.style[rows]) == 0:
         yield from _stretch(observed, rows)
     if len(observed) <= MOST_OTHERS + 1:
-        order = np.argsort(-straight, kind="stable")[:MOST_ALONE]
-        for row in order[straight[order] > 1].tolist():
+        single = np.array([len(each.members) == 1 for each in observed.classes], np.bool_)
+        alone = np.where(single[observed.shape], straight, 0)  # others are drawn by one rule each
+        order = np.argsort(-alone, kind="stable")[:MOST_ALONE]
+        for row in order[alone[order] > 1].tolist():
             yield from _stretch(observed, np.array([row]))
 
 
@@ -96,13 +98,13 @@ def _stretch(observed: Observation, rows: Integers) -> Iterator[Stretch]:
     if any(closed) and len(closed) > 1:
         return
     start, end = _ends(observed, rows)
-    if len(start) >= FEWEST and _is_regular(start, end):
+    if len(start) >= FEWEST and is_regular(start, end):
         counts = np.array([len(each.kind) for each in outlines if each is not None])
         numbers = int(2 * (counts[counts > 1] + 1).sum())
         yield Stretch(rows, start, end, POLYGON if closed[0] else PATH, numbers)
 
 
-def _is_regular(start: Complexes, end: Complexes) -> bool:
+def is_regular(start: Complexes, end: Complexes) -> bool:
     """Whether there are so few different lengths that rules may have made them."""
     points = np.concatenate([start, end])
     grain = GRAIN * max(1e-300, abs(complex(np.ptp(points.real), np.ptp(points.imag))))

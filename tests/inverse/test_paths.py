@@ -104,6 +104,44 @@ def test_curves_without_a_rule_stay_terminals(tmp_path: Path) -> None:
         assert found.report.rules == 0 and "polyline" in found.text
 
 
+def curve(name: str, place: complex, size: float, turn: float, style: str) -> str:
+    """A textbook curve of one line somewhere on the page."""
+    start, end = drawn(SYSTEMS[name])
+    points = np.append(start, end[-1])
+    points = (points - points.mean()) / np.ptp(points.real) * np.exp(1j * np.radians(turn)) * size
+    told = " ".join(f"{p.real:.5f},{-p.imag:.5f}" for p in (points + place.conjugate()).tolist())
+    return f'<polyline points="{told}" {style}/>'
+
+
+def test_a_curve_that_is_drawn_often_is_one_rule(tmp_path: Path) -> None:
+    source = tmp_path / "drawn.svg"
+    flakes = [
+        curve("Koch curve", 100 + 60 * k + (80 + 50 * j) * 1j, 50, 0, 'fill="#9cf"')
+        for k in range(5)
+        for j in range(3)
+    ]
+    source.write_text(page("".join(flakes)))
+    found = given_back(source, tmp_path)
+    assert "asset" not in found.text
+    assert "polyline" in found.text and "path { Polyline(5) }" in found.text
+    assert found.report.tokens < 140, found.text
+
+
+def test_curves_stand_among_rules_of_other_kinds(tmp_path: Path) -> None:
+    source = tmp_path / "drawn.svg"
+    dots = "".join(f'<circle cx="{20 + 8 * k}" cy="440" r="3"/>' for k in range(50))
+    lines = 'fill="none" stroke="#000"'
+    curves = [
+        curve("Hilbert", 120 + 120j, 200, 0, lines),
+        curve("dragon, 1.10a", 330 + 200j, 150, 20, lines),
+    ]
+    source.write_text(page(dots + "".join(curves)))
+    found = given_back(source, tmp_path)
+    assert "Polyline(5)" in found.text and "Polyline2(" in found.text
+    assert "asset circle in" in found.text
+    assert found.report.tokens < 300, found.text
+
+
 def gear(teeth: int, decimals: int) -> list[tuple[float, float]]:
     """A closed outline of four corners a tooth."""
     angles = np.arange(teeth)[:, None] * 2 * np.pi / teeth + np.array([0, 0.02, 0.05, 0.08])

@@ -45,7 +45,7 @@ def as_grammar(
     taken: names that stand for something else in the file; pens: what sets the pen to a style, by
     the numbers of `Recursion.styles`; without them, and where there is one style, no pen is set.
     """
-    writer = _Writer(recursion, _names(recursion, taken))
+    writer = Writer(recursion, _names(recursion, taken))
     settings = {"angle": recursion.angle, "step": recursion.step}
     told = [
         ast.Setting(key, ast.Number(value))
@@ -144,9 +144,15 @@ def _has(kind: type[Draw] | type[Move], bodies: tuple[Body, ...]) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class _Writer:
+class Writer:
+    """Elements of bodies. names: of the symbols; counted: they take how many steps are left, the
+    start its number, a body one less; told: every length is a number, and none the turtle's step.
+    """
+
     recursion: Recursion
     names: dict[str, str]
+    counted: ast.Expr | None = None
+    told: bool = False
 
     def rules(self) -> list[ast.Rule]:
         """All productions, the ones that draw first."""
@@ -181,7 +187,8 @@ class _Writer:
             case Move(length):
                 return [self.stepped("f", length)]
             case Symbol(name):
-                return [ast.Module(self.names[name])]
+                left = () if self.counted is None else (ast.Argument(self.counted),)
+                return [ast.Module(self.names[name], left)]
             case Branch(inner):
                 return [ast.Bracket(self.body(inner, depth))]
             case Again(count, inner):
@@ -201,7 +208,7 @@ class _Writer:
 
     def stepped(self, name: str, length: float) -> ast.Module:
         """A step, or a length of its own."""
-        if length == 1:
+        if length == 1 and not self.told:
             return ast.Module(name)
         value = length * self.recursion.step
         return _number(name, shortest(value, DIGIT * abs(value)))
