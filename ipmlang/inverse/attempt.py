@@ -14,6 +14,8 @@ from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import IpmError, fail
 from ipmlang.compiler.format import format_grammar
 from ipmlang.formats.drawing import Drawing
+from ipmlang.inverse.boards import with_boards
+from ipmlang.inverse.coats import merged_styles
 from ipmlang.inverse.compare import Comparison
 from ipmlang.inverse.curves import with_curves
 from ipmlang.inverse.deviations import rule_errors
@@ -50,6 +52,7 @@ TWINS = 3  # symbols placed twice that a group could say
 AS_SHORT = 1.01  # times as many tokens rules with parameters may take that spare fewer tables
 NOISE_TOKENS = 1.5  # times as many tokens a regular grammar with residuals may have
 SHORT = 0.1  # of the flat tokens: a recursion that no other rules will beat
+MOST = 0.9  # of the elements that stand on one board make it all that there is to say
 FEW = 600  # elements for which a second look costs hardly any time
 
 
@@ -76,7 +79,8 @@ class Counts:
 class Attempt:
     """A file that could be the answer, in a word how it was found, what it takes in tokens, and for
     how many more it counts, since a person would rather maintain something else; for less, where it
-    says the points of outlines that the other files keep among the parts.
+    says the points of outlines that the other files keep among the parts; final: nothing shorter is
+    to be expected.
     """
 
     name: str
@@ -84,6 +88,7 @@ class Attempt:
     counts: Counts
     tokens: int
     more: float = 0.0
+    final: bool = False
 
     @property
     def spared(self) -> float:
@@ -115,13 +120,14 @@ def best_grammar(
     if not flat:
         say("looking for recursion")
         attempts += _recursive(replace(plain, use_tables=True))
+        lines, boards = bool(attempts), [] if attempts else _boards(plain)
         if len(observed) > FEW and not (options.explain or options.paper):
-            made = _clearly(goal, attempts, flat_tokens)
+            made = _clearly(goal, [*attempts, *boards], flat_tokens)
             if made is not None:
                 return made
         say("looking for rules")
         # Where a recursion draws everything, no other way to see its lines is worth the time.
-        seen_so, memory = with_runs(goal, ways[:1] if attempts else ways), Memories()
+        seen_so, memory = with_runs(goal, ways[:1] if lines else ways), Memories()
         tried = [searched(goal, way, say, memory) for way in seen_so]
         found = min(tried, key=lambda each: each.written.ruled)
         folded = [] if options.paper else _folded(found, len(observed))
@@ -136,8 +142,8 @@ def best_grammar(
             if regular is not found:
                 folded = [each for each in folded if _beats(each, regular, options.symmetrize)]
                 found, folded = regular, [*folded, *_folded(regular, len(observed))]
-        attempts += folded + _written_out(found, len(observed))
         asked = options.paper or options.symmetrize
+        attempts += [*(() if asked else boards), *folded, *_written_out(found, len(observed))]
         if not (_bends_order(found.book) or asked):
             # Few rules among many loose placements may cost more than they save: tables say less.
             tabled = write_grammar(flat_book, replace(plain, use_tables=True))
@@ -253,9 +259,28 @@ def _recursive(subject: Subject) -> list[Attempt]:
     return [Attempt("recursion", lambda: written, counts, written.tokens, -found.numbers)]
 
 
+def _boards(plain: Subject) -> list[Attempt]:
+    """The file with things of all sizes on grids, if there are such."""
+    alone, elements = plain.instanced, len(plain.observed)
+    book = make_book(alone.alphabet, alone.string)
+    bound = merged_styles(book, alone.terminals)
+    found = with_boards(book, alone.terminals, set(bound), plain.observed.diagonal)
+    if not found:
+        return []
+    book.boards = {each.raster.start: each for each in found}
+    written = write_grammar(book, replace(plain, use_tables=True))
+    counts = _gridded(Counts(0, 0, 0.0), written, elements)
+    final = any(each.irregular and len(each.part) > MOST * elements for each in found)
+    more = written.spared + ROW * written.rows
+    return [Attempt("boards", lambda: written, counts, written.tokens, more, final)]
+
+
 def _clearly(goal: Goal, attempts: list[Attempt], flat_tokens: int) -> Made | None:
-    """A recursion so short that no other rules need to be looked for, if it is right."""
-    short = [each for each in attempts if each.tokens <= SHORT * (flat_tokens + each.spared)]
+    """A recursion so short, or a board so irregular, that no other rules need to be looked for, if
+    it is right.
+    """
+    most = SHORT * flat_tokens
+    short = [each for each in attempts if each.final or each.tokens <= most + SHORT * each.spared]
     if not short:
         return None
     try:

@@ -14,6 +14,8 @@ from functools import cached_property
 import numpy as np
 
 from ipmlang.compiler import ast
+from ipmlang.inverse.boards import Printed as PrintedBoard
+from ipmlang.inverse.boards import printed as printed_board
 from ipmlang.inverse.lattices.formula import Formula
 from ipmlang.inverse.lattices.printing import PLAIN, Handles, printed, whole
 from ipmlang.inverse.lsystem.frames import Frames, Row
@@ -60,6 +62,7 @@ class Builder:
 
     attributes: list[ast.Attr] = field(default_factory=list)
     tables: list[ast.Table] = field(default_factory=list)
+    boards: list[PrintedBoard] = field(default_factory=list)
     _inlined: set[int] = field(default_factory=set)
     _nested: set[int] = field(default_factory=set)
     _counts: dict[int, str] = field(default_factory=dict)
@@ -83,7 +86,7 @@ class Builder:
                 made.append(self._loop_rule(rule))
             else:
                 made.append(ast.Rule(ast.Head(self.names[rule]), tuple(self._body(rule))))
-        return made
+        return [*made, *(rule for board in self.boards for rule in board.rules)]
 
     def _body(self, rule: int) -> Iterator[ast.Element]:
         """What a group's rule says; a group under an effect brings its own bracket."""
@@ -179,6 +182,10 @@ class Builder:
         start, alone = 0, len(parts) == 1
         body, rows = Body(np.array(parts, np.int64), places), places.rows()
         while start < len(parts):
+            if rule == AXIOM and start in self.book.boards:
+                yield self._board(start)
+                start = self.book.boards[start].raster.stop
+                continue
             taper = taper_at(self.book, body, start, 30 * self.book.small)
             if taper is not None:
                 yield self._tapered(rule, parts[start : start + taper.rows], taper)
@@ -187,7 +194,7 @@ class Builder:
             end = start + 1
             asset, hand = self._asset(parts[start]), rows[start][4]
             while end < len(parts) and self._asset(parts[end]) == asset:
-                if rows[end][4] != hand:
+                if rows[end][4] != hand or (rule == AXIOM and end in self.book.boards):
                     break
                 end += 1
             if self.use_tables and end - start >= TABLE_ROWS:
@@ -196,6 +203,10 @@ class Builder:
                 for row in range(start, end):
                     yield from self.placed(rule, parts[row], rows[row], alone)
             start = end
+
+    def _board(self, start: int) -> ast.Element:
+        self.boards.append(printed_board(self.book.boards[start], self.names, self.given))
+        return self.boards[-1].loop
 
     def _tapered(self, rule: int, parts: list[int], taper: Taper) -> ast.Element:
         """`repeat(i < 9) { [at(11 + 14 * i, 11 + 12 * i) Row(20 - 2 * i)] }`"""

@@ -175,7 +175,8 @@ def write_grammar(book: Book, subject: Subject) -> Written:
         off = GRID * subject.observed.diagonal
         grids = with_grids(rules, [*placed, *listed], off)
         rules, placed = grids.rules, grids.tables
-    tables, stored, cells = stored_tables([*placed, *order], subject)
+    boards = [each.table for each in builder.boards if each.table is not None]
+    tables, stored, cells = stored_tables([*placed, *boards, *order], subject)
     items: list[ast.Item] = [ast.Version(1), *canvas(subject.observed)]
     assets = [number for number in named if number < len(terminals)]
     if assets:
@@ -201,7 +202,8 @@ def write_grammar(book: Book, subject: Subject) -> Written:
     often = np.bincount(subject.instanced.string.symbol, minlength=len(terminals))
     uses = {named[k]: int(often[k]) for k in assets}
     left = sum(tokens for name, tokens in spared.items() if name not in grids.names)
-    gridded = frozenset(grids.names), grids.cells
+    on_boards = sum(len(each.part) for each in book.boards.values())
+    gridded = frozenset({*grids.names, *(each.name for each in boards)}), grids.cells + on_boards
     return Written(ast.Grammar(tuple(items)), parts, *cells, left, folded, gridded, shown, uses)
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,9 @@ from ipmlang.inverse.lsystem.patterns import Pattern
 from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers
 from ipmlang.inverse.recursion.branching import Branching
 from ipmlang.inverse.score import COUNTED, HEAD, placement_tokens
+
+if TYPE_CHECKING:
+    from ipmlang.inverse.boards import Board
 
 AXIOM = -1
 LEAST = 6  # tokens that a group must save to be worth a name
@@ -66,7 +70,8 @@ class Book:
     in its asset, the identity where none is given; effects: the class of the effect that wraps a
     group's body; anchored: symbols whose frame is bound, by an effect or a structure; scattered: by
     rank, the ranks of all elements of a row of the axiom that are not painted one after the other;
-    shift: by rank, how far elements are from where rules have them, x + iy.
+    shift: by rank, how far elements are from where rules have them, x + iy; boards: by their first
+    row of the axiom.
     """
 
     bodies: dict[int, Body]
@@ -84,6 +89,7 @@ class Book:
     anchored: set[int] = field(default_factory=set)
     scattered: dict[int, Integers] = field(default_factory=dict)
     shift: dict[int, complex] = field(default_factory=dict)
+    boards: dict[int, Board] = field(default_factory=dict)
 
     def uses(self) -> Counter[int]:
         """How often each rule or terminal is named (sequences by family)."""

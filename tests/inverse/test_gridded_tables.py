@@ -60,5 +60,5 @@ def test_a_board_of_five_colors_is_a_grid_of_shapes(tmp_path: Path) -> None:
     found = infer(path)
     assert found.report.max_error < 1e-9
     assert found.report.tokens < 210 + 80, found.text
-    assert "at(13 * floor(k / 7), -13 * mod(k, 7)) r.shape" in found.text
+    assert "at(5 + 13 * floor(k / 7), 95 - 13 * mod(k, 7)) r.shape" in found.text
     assert (found.report.rules, found.report.explained) == (1, 1.0)

@@ -1,0 +1,94 @@
+"""Things of any size on grids, painted line by line: one formula, and a number for each thing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ipmlang.inverse import Inference, infer
+from ipmlang.inverse.boards.raster import rasters
+
+HALFTONE = Path(__file__).parents[2] / ".." / "shared" / "data" / "svg" / "vpype_halftone.svg"
+ACROSS, LINES = 30, 24
+
+Drawn = Callable[[int, int, float], str]  # what stands at step i of line j, with a random number
+
+
+def _inferred(folder: Path, drawn: Drawn, before: str = "") -> Inference:
+    random = np.random.default_rng(3)
+    shapes: Iterator[str] = (
+        drawn(i, j, float(random.random())) for j in range(LINES) for i in range(ACROSS)
+    )
+    path = folder / "board.svg"
+    page = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 400 300">'
+    path.write_text(f"{page}{before}{''.join(shapes)}</svg>", encoding="utf-8")
+    return infer(path)
+
+
+def _staggered(i: int, j: int, size: float) -> str:
+    return (
+        f'<circle cx="{10 + 12 * i + 6 * (j % 2)}" cy="{10 + 11 * j}" r="{0.5 + 4 * size:.2f}" '
+        'fill="none" stroke="#333" stroke-width="0.7"/>'
+    )
+
+
+def _with_holes(i: int, j: int, size: float) -> str:
+    side = round(1 + 9 * size, 1)
+    if size < 0.15 and (i, j) not in ((0, 0), (ACROSS - 1, LINES - 1)):
+        return ""
+    corner = f'x="{round(20 + 12 * i - side / 2, 2)}" y="{round(20 + 11 * j - side / 2, 2)}"'
+    return f'<rect {corner} width="{side}" height="{side}"/>'
+
+
+def _rounded(i: int, j: int, size: float) -> str:
+    middle = f'cx="{10 + 7.137 * i:.1f}" cy="{10 + 7.137 * j:.1f}"'
+    return f'<circle {middle} r="{1 + 2 * size:.2f}"/>'
+
+
+def _from_the_top(i: int, j: int, size: float) -> str:
+    """As programs write it that round the point in which a path begins."""
+    radius = round(1 + 2 * size, 3)
+    top = f"M{10 + 9.1 * i:.1f},{10.04 + 9.137 * j - radius:.1f}"
+    return f'<path d="{top}a{radius} {radius} 0 1 0 0.0001 0Z" fill="none" stroke="#000"/>'
+
+
+@pytest.mark.parametrize("drawn", [_staggered, _with_holes, _rounded, _from_the_top])
+def test_one_number_for_each_thing(tmp_path: Path, drawn: Drawn) -> None:
+    found = _inferred(tmp_path, drawn, '<rect width="400" height="300" fill="#eee"/>')
+    assert found.report.tokens < ACROSS * LINES + 150
+    assert found.report.explained > 0.95
+    assert found.report.max_error <= 1e-6
+
+
+def test_sizes_of_two_colours_name_the_shape(tmp_path: Path) -> None:
+    def drawn(i: int, j: int, size: float) -> str:
+        color = "red" if size * 10 % 1 < 0.3 else "blue"
+        return _rounded(i, j, size).replace("/>", f' fill="{color}"/>')
+
+    found = _inferred(tmp_path, drawn)
+    assert "r.shape" in found.text
+    assert found.report.tokens < 2 * ACROSS * LINES + 150
+
+
+def test_sizes_that_a_rule_says_stay_a_rule(tmp_path: Path) -> None:
+    def drawn(i: int, j: int, _: float) -> str:
+        return f'<circle cx="{10 + 12 * i}" cy="{10 + 12 * j}" r="{1 + 0.1 * i:.1f}"/>'
+
+    assert _inferred(tmp_path, drawn).report.tokens < 150
+
+
+def test_a_scattered_drawing_has_no_raster() -> None:
+    random = np.random.default_rng(1)
+    places = random.uniform(0, 9, 200) + 1j * random.uniform(0, 9, 200)
+    assert rasters(places, np.zeros(200, np.int64)) == []
+
+
+@pytest.mark.skipif(not HALFTONE.is_file(), reason="the shared drawings are not there")
+def test_the_halftone_is_one_board() -> None:
+    report = infer(HALFTONE).report
+    assert report.tokens < 2900
+    assert report.explained == 1.0
+    assert report.max_error <= 1e-6
