@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from dataclasses import replace
+from functools import cache as remember
 from pathlib import Path, PurePosixPath
 
 from ipmlang.compiler import ast
@@ -16,6 +17,7 @@ from ipmlang.compiler.load import SUFFIX, read_source
 from ipmlang.compiler.ops import OPERATIONS
 from ipmlang.compiler.parse import parse
 from ipmlang.edit.places import Found, places, with_changes
+from ipmlang.edit.symbols import nodes
 
 STANDARD = "std/"
 
@@ -34,14 +36,31 @@ def with_file_names(grammar: ast.Grammar, rename: Callable[[str], str]) -> ast.G
         name, mark, node = text.partition("#")
         return rename(name) + mark + node
 
+    bodies = (item for item in grammar.items if isinstance(item, ast.Rule | ast.Start))
+    naming = any(_may_name(node) for item in bodies for node in nodes(item))
     changes = {
         number: ast.Text(reference(expr.value))
-        for number, (place, expr) in enumerate(places(grammar))
+        for number, (place, expr) in enumerate(places(grammar) if naming else ())
         if isinstance(expr, ast.Text) and names_file((place, expr))
     }
     if changes:
         grammar = with_changes(grammar, changes)
     return replace(grammar, items=tuple(_item(item, rename, reference) for item in grammar.items))
+
+
+def _may_name(node: object) -> bool:
+    """Whether a node is a use of an operation that takes the name of a file."""
+    return isinstance(node, ast.Module | ast.Block) and node.name in _naming()
+
+
+@remember
+def _naming() -> frozenset[str]:
+    """The operations that take the name of a file."""
+    return frozenset(
+        name
+        for name, record in OPERATIONS.items()
+        if any(param.suffixes for form in record.forms for param in form)
+    )
 
 
 def _item(

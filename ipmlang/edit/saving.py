@@ -1,8 +1,9 @@
 """From a draft to files: what goes beside the grammar, the check, and the writing.
 
-The grammar is laid out, loaded again with all its files in a folder of its own, checked, and derived
-unless the edit did that; only then is anything written, all of it or nothing. Files of its own (`x.parts.svg` of
-`x.ipm`) bear the new name; other files keep theirs and never replace a different file.
+The grammar is laid out, loaded again with all its files in a folder of its own, checked, and
+derived unless the edit did that; only then is anything written, all of it or nothing. Files of its
+own (`x.parts.svg` of `x.ipm`) bear the new name; other files keep theirs and never replace a
+different file.
 """
 
 from __future__ import annotations

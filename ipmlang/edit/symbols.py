@@ -7,7 +7,7 @@ some symbols. Nothing is checked here: a tree may be half edited.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Hashable, Iterator
+from collections.abc import Callable, Hashable, Iterator, Mapping
 from dataclasses import fields, is_dataclass, replace
 from functools import cache
 from typing import TypeAlias, TypeVar, assert_never, cast
@@ -183,15 +183,31 @@ def nodes(tree: object) -> Iterator[object]:
     waiting = [tree]
     while waiting:
         one = waiting.pop()
-        if isinstance(one, ast.Comment | ast.Span):
+        kind = type(one)
+        if kind is tuple:
+            waiting += cast("tuple[object, ...]", one)
             continue
-        if isinstance(one, tuple):
-            waiting += one
-            continue
-        names = _field_names(cast("Hashable", type(one)))
+        names = _inner_names(cast("Hashable", kind))
         if names is not None:
             yield one
-            waiting += [getattr(one, name) for name in names]
+            for name in names:
+                value = getattr(one, name)
+                if type(value) not in _PLAIN:
+                    waiting.append(value)
+
+
+_PLAIN = frozenset({str, int, float, bool, type(None)})
+
+
+@cache
+def _inner_names(kind: Hashable) -> tuple[str, ...] | None:
+    """The fields of the nodes of a kind that hold others; None where these are no nodes, or
+    comments.
+    """
+    names = _field_names(kind)
+    if names is None or kind in (ast.Comment, ast.Span):
+        return None
+    return tuple(name for name in names if name != "span")
 
 
 @cache
@@ -206,20 +222,20 @@ def used_names(tree: object) -> set[str]:
     """
     found: set[str] = set()
     for node in nodes(tree):
-        match node:
-            case ast.Name(id=name) | ast.Module(name=name) | ast.Call(name=name):
-                found.add(name)
-            case ast.Block(name=name) | ast.ContextModule(name=name) | ast.Rows(table=name):
-                found.add(name)
-            case ast.Residual(table=name):
-                found.add(name)
-            case ast.Start(sites=sites):
-                found.update(sites)
-            case ast.Place(kind="surface", reference=str(name)):
-                found.add(name)
-            case _:
-                pass
+        name = _ASKING.get(type(node))
+        if name is not None:
+            found.add(getattr(node, name))
+        elif isinstance(node, ast.Start):
+            found.update(node.sites)
+        elif isinstance(node, ast.Place) and node.kind == "surface" and node.reference is not None:
+            found.add(node.reference)
     return found | {name.partition(".")[0] for name in found}
+
+
+_ASKING: Mapping[type, str] = {
+    ast.Name: "id", ast.Module: "name", ast.Call: "name", ast.Block: "name",
+    ast.ContextModule: "name", ast.Rows: "table", ast.Residual: "table",
+}  # fmt: skip
 
 
 def defined_names(item: ast.Item) -> tuple[str, ...]:
@@ -314,10 +330,15 @@ def mapped(tree: _Tree, change: Callable[[object], object]) -> _Tree:
         parts = tuple(mapped(each, change) for each in tree)
         same = all(one is other for one, other in zip(parts, tree, strict=True))
         return tree if same else cast("_Tree", parts)
-    if not is_dataclass(tree) or isinstance(tree, type):
+    names = _field_names(cast("Hashable", type(tree)))
+    if names is None:
         return tree
-    before = {each.name: getattr(tree, each.name) for each in fields(tree)}
-    after = {name: mapped(value, change) for name, value in before.items()}
-    different = {name: value for name, value in after.items() if value is not before[name]}
-    made = replace(tree, **different) if different else tree
-    return cast("_Tree", change(made))
+    different: dict[str, object] = {}
+    for name in names:
+        value = getattr(tree, name)
+        if type(value) not in _PLAIN:
+            made = mapped(value, change)
+            if made is not value:
+                different[name] = made
+    one = replace(tree, **different) if different else tree  # type: ignore[type-var]
+    return cast("_Tree", change(one))

@@ -1,5 +1,4 @@
-"""The parts of models that files beside a grammar hold: each a mesh, read once while its file is the
-same.
+"""The parts of models in files beside a grammar: meshes, read once while their file is the same.
 
 Takes a path and names; gives meshes in the world with what the reader noted, and the names in a
 file. What was read is known again by the bytes of the file, wherever that lies, so an edit that

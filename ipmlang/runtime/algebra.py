@@ -24,6 +24,7 @@ class Source:
         self.lines: list[str] = []
         self._count = 0
         self._known: dict[str, str] = {}
+        self._factors: dict[tuple[Rotation, int, int], Operand] = {}
 
     def name(self) -> str:
         """A new name."""
@@ -101,34 +102,34 @@ class Source:
 
     def turned(self, rotation: Rotation, vector: Vector) -> Vector:
         """A vector turned by a unit quaternion."""
-        w, i, j, k = rotation
-        two = tuple(self.multiply(2.0, each) for each in (i, j, k))
-        ii, jj, kk = (self.multiply(a, b) for a, b in zip(two, (i, j, k), strict=True))
-        ij, ik, jk = self.multiply(two[0], j), self.multiply(two[0], k), self.multiply(two[1], k)
-        wi, wj, wk = (self.multiply(each, w) for each in two)
-        x, y, z = vector
-        rows = (
-            ((x, (jj, kk), None), (y, ij, wk, -1), (z, ik, wj, 1)),
-            ((y, (ii, kk), None), (x, ij, wk, 1), (z, jk, wi, -1)),
-            ((z, (ii, jj), None), (x, ik, wj, -1), (y, jk, wi, 1)),
-        )
-        return tuple(self._row(*row) for row in rows)  # type: ignore[return-value]
+        return tuple(self._row(rotation, row, vector) for row in range(3))  # type: ignore[return-value]
 
-    def _row(
-        self,
-        own: tuple[Operand, tuple[Operand, Operand], None],
-        *others: tuple[Operand, Operand, Operand, int],
-    ) -> Operand:
-        value, (a, b), _ = own
+    def _row(self, rotation: Rotation, row: int, vector: Vector) -> Operand:
+        """One component: the vector's own first, then the others in their order."""
         total: Operand = 0.0
-        if value != 0.0:
-            cosine = self.subtract(1.0, self.add(a, b))
-            total = self.multiply(value, cosine)
-        for component, same, across, sign in others:
-            if component != 0.0:
-                factor = self.add(same, across) if sign > 0 else self.subtract(same, across)
-                total = self.add(total, self.multiply(component, factor))
+        for column in (row, *(each for each in range(3) if each != row)):
+            if vector[column] != 0.0:
+                factor = self._factor(rotation, row, column)
+                total = self.add(total, self.multiply(vector[column], factor))
         return total
+
+    def _factor(self, rotation: Rotation, row: int, column: int) -> Operand:
+        """An entry of the matrix of a unit quaternion, written when it is first needed."""
+        key = (rotation, row, column)
+        if key not in self._factors:
+            w, own = rotation[0], rotation[1:]
+            two = [self.multiply(2.0, each) for each in own]
+            if row == column:
+                a, b = (self.multiply(two[k], own[k]) for k in range(3) if k != row)
+                self._factors[key] = self.subtract(1.0, self.add(a, b))
+            else:
+                first, second = sorted((row, column))
+                same = self.multiply(two[first], own[second])
+                across = self.multiply(two[3 - row - column], w)
+                plus = (row - column) % 3 == 1
+                join = self.add if plus else self.subtract
+                self._factors[key] = join(same, across)
+        return self._factors[key]
 
 
 def cosine_and_sine(degrees: float) -> tuple[float, float]:

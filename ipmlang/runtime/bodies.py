@@ -63,7 +63,8 @@ class Writer:
                 self._code[each.out] = each
             if each.op == "open":
                 saved.append(dict(state))
-                state = questions.began(self, questions.inside(elements, number), scope, state)
+                if MARK in state and not self.quiet:
+                    state = questions.began(self, questions.inside(elements, number), scope, state)
                 if self.quiet:  # what a bracket restores need not be walked
                     passed = self._bracket_end(elements, number)
             elif each.op == "close":
@@ -184,6 +185,8 @@ class Writer:
     def _value(
         self, each: ir.Instruction, scope: Scope, registers: Mapping[int, Operand], state: State
     ) -> Operand:
+        if each.op == "const":
+            return float(str(each.const))
         if each.op == "state":
             return scope_bodies.asked(self, str(each.const), state)
         if each.op == "measure" and " " in str(each.const):

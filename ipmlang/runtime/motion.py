@@ -22,18 +22,20 @@ class Motion:
     def __init__(self, program: ir.Program, write: Source) -> None:
         self._program = program
         self._write = write
+        self._mirrors: bool | None = None  # not known yet
 
     def hand(self, state: State) -> Operand:
         """1, or -1 in a mirrored frame."""
         scale = state.get("scale", 1.0)
         if isinstance(scale, float):
             return 1.0 if scale > 0 else -1.0
-        mirrors = any(
-            each.op == "mirror" or (each.op == "solid" and each.const == "mirrorScope")
-            for symbol in self._program.symbols
-            for each in symbol.meaning or ()
-        )
-        return self._write.let(f"copysign(1.0, {scale})") if mirrors else 1.0
+        if self._mirrors is None:
+            self._mirrors = any(
+                each.op == "mirror" or (each.op == "solid" and each.const == "mirrorScope")
+                for symbol in self._program.symbols
+                for each in symbol.meaning or ()
+            )
+        return self._write.let(f"copysign(1.0, {scale})") if self._mirrors else 1.0
 
     def moved(self, state: State, x: Operand, y: Operand, z: Operand) -> State:
         """The state after a move along the local axes."""

@@ -22,7 +22,7 @@ from ipmlang.edit.buildings.baking import Asset, Baking
 from ipmlang.edit.buildings.regularity import Part
 from ipmlang.edit.buildings.rows import Room, laid_out
 from ipmlang.edit.buildings.tree import Tree
-from ipmlang.edit.symbols import Elements, taken_names
+from ipmlang.edit.symbols import Elements, nodes, taken_names
 from ipmlang.inverse.frames import Floats, Frames, Integers, compose, identity, inverse, linear
 from ipmlang.inverse.numbers import shortest
 from ipmlang.inverse.split.placing import Precision, spots, steps_to
@@ -72,6 +72,7 @@ class Forms:
     _fitted: dict[object, str] = field(default_factory=dict)
     _labels: dict[str, str] = field(default_factory=dict)
     baking: Baking | None = None
+    _modules: dict[int, dict[int, ast.Module]] = field(default_factory=dict)
     _asking: Asking = field(init=False)
 
     def __post_init__(self) -> None:
@@ -257,14 +258,10 @@ class Forms:
         production = program.axiom if taken < 0 else program.productions[taken]
         if production.path != program.path or production.item < 0:
             return None
-        from ipmlang.edit.symbols import nodes
-
-        site = int(lineage.site[row])
-        spans = [each.span for each in _all(production.body) if each.site == site]
-        for node in nodes(self.tree.draft.grammar.items[production.item]):
-            if isinstance(node, ast.Module) and tuple(node.span) in spans:
-                return node
-        return None
+        if taken not in self._modules:
+            item = self.tree.draft.grammar.items[production.item]
+            self._modules[taken] = _by_site(production, item)
+        return self._modules[taken].get(int(lineage.site[row]))
 
     def pens(self, unit: Unit, around: int) -> Elements:
         """What the pen must be told, as the shape `around` has it, to draw a unit."""
@@ -407,6 +404,19 @@ def _all(body: tuple[ir.Instruction, ...]) -> list[ir.Instruction]:
     for each in body:
         found.append(each)
         found += _all(each.body)
+    return found
+
+
+def _by_site(production: ir.Production, item: ast.Item) -> dict[int, ast.Module]:
+    """The modules of an item by the sites of what was lowered of them."""
+    written: dict[tuple[int, int], ast.Module] = {}
+    for node in nodes(item):
+        if isinstance(node, ast.Module):
+            written.setdefault((node.span.start, node.span.end), node)
+    found: dict[int, ast.Module] = {}
+    for each in _all(production.body):
+        if each.site >= 0 and each.span in written:
+            found.setdefault(each.site, written[each.span])
     return found
 
 

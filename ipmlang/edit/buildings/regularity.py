@@ -67,9 +67,9 @@ def regular(parts: Sequence[Part], begin: int, near: float) -> Regular | None:
     """
     best: Regular | None = None
     for size in range(1, MOST + 1):
-        if begin + 2 * size > len(parts):
+        if begin + ROW * size > len(parts):
             break
-        if not _alike(parts[begin], parts[begin + size]):
+        if not all(_alike(parts[begin], parts[begin + k * size]) for k in range(1, ROW)):
             continue
         motion = _motion(parts[begin][0], parts[begin + size][0])
         if motion is None:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from ipmlang.compiler import ast
 from ipmlang.edit.buildings.regularity import Part, regular, said
 from ipmlang.edit.symbols import Elements
-from ipmlang.inverse.frames import Frames
+from ipmlang.inverse.frames import join
 from ipmlang.inverse.split.placing import Precision, Spot, placed, spots
 from ipmlang.inverse.split.wording import all_nothing, is_nothing
 
@@ -32,9 +32,17 @@ class Room:
         """Places and sizes, some of them multiplied, are off by far less than what touches."""
         return Precision(self.near / 80)
 
-    def spot(self, frame: Frames) -> Spot:
-        """A frame of one row; what stands there reaches no further than a building does."""
-        return spots(frame, self.precision, 1e6 * self.near)[0]
+    def spots(self, parts: Sequence[Part]) -> list[Spot]:
+        """Where parts stand; what stands there reaches no further than a building does. Those that
+        stand upright are told together, and so are the others.
+        """
+        found: dict[int, Spot] = {}
+        upright = [not frame.rotation[0, 1:3].any() for frame, _ in parts]
+        for kind in (True, False):
+            rows = [row for row, own in enumerate(upright) if own is kind]
+            frames = join([parts[row][0] for row in rows])
+            found.update(zip(rows, spots(frames, self.precision, 1e6 * self.near), strict=True))
+        return [found[row] for row in range(len(parts))]
 
 
 def laid_out(
@@ -50,6 +58,7 @@ def laid_out(
     """
     body: list[ast.Element] = []
     tables: list[ast.Table] = []
+    at = room.spots(parts)
     begin = 0
     while begin < len(parts):
         sequence = regular(parts, begin, room.near)
@@ -58,16 +67,16 @@ def laid_out(
             begin += sequence.parts
             continue
         end = _alike_end(parts, begin, room.near)
-        mixed = _symbols_end(parts, begin, room)
+        mixed = _symbols_end(parts, at, begin, room.near)
         if (end - begin >= MANY and end == mixed) or mixed - begin < MIXED:
-            found = _listed(parts[begin:end], room) if end - begin >= MANY else None
+            found = _listed(parts[begin:end], at[begin:end]) if end - begin >= MANY else None
         else:
             end = mixed
             wish = f"{owner.rpartition('.')[2].lower()}_parts"
-            found = _mixed(parts[begin:end], room, wish)
+            found = _mixed(parts[begin:end], at[begin:end], wish)
         if found is None:
             end = begin + 1
-            body.append(placed(room.spot(parts[begin][0]), parts[begin][1]))
+            body.append(placed(at[begin], parts[begin][1]))
         else:
             table = next((each for each in (*known, *tables) if found.is_in(each)), None)
             if table is None:
@@ -91,7 +100,7 @@ def _alike_end(parts: Sequence[Part], begin: int, near: float) -> int:
     return end
 
 
-def _symbols_end(parts: Sequence[Part], begin: int, room: Room) -> int:
+def _symbols_end(parts: Sequence[Part], at: Sequence[Spot], begin: int, near: float) -> int:
     """Behind the last of parts that follow each other and are but symbols, moved or turned, of one
     hand, up to where a row of them begins, or a symbol comes again: a table draws all of a symbol
     where it first names it.
@@ -104,11 +113,11 @@ def _symbols_end(parts: Sequence[Part], begin: int, room: Room) -> int:
         only = elements[0] if len(elements) == 1 else None
         if not isinstance(only, ast.Module) or only.args or "." in only.name:
             break
-        spot = room.spot(frame)
+        spot = at[end]
         home = all_nothing(spot.place) and all_nothing(spot.turn)
         if home or spot.scale is not None or frame.hand[0] != hand:
             break
-        if end > begin and regular(parts, end, room.near) is not None:
+        if end > begin and regular(parts, end, near) is not None:
             break
         if only.name in before[:-1] and only.name != before[-1]:
             break
@@ -131,9 +140,8 @@ class Listed:
         return table.columns == self.columns and table.rows == self.rows
 
 
-def _listed(parts: Sequence[Part], room: Room) -> Listed | None:
+def _listed(parts: Sequence[Part], found: Sequence[Spot]) -> Listed | None:
     """Equal parts at the places of a table; None where they are more than moved and turned."""
-    found = [room.spot(frame) for frame, _ in parts]
     columns, rows = _cells(found)
     if not columns or any(spot.scale is not None for spot in found):
         return None
@@ -143,9 +151,8 @@ def _listed(parts: Sequence[Part], room: Room) -> Listed | None:
     return Listed(f"{name.lower()}_places", columns, rows, (*_mirror(found[0]), *elements))
 
 
-def _mixed(parts: Sequence[Part], room: Room, wish: str) -> Listed:
+def _mixed(parts: Sequence[Part], found: Sequence[Spot], wish: str) -> Listed:
     """Symbols at the places of a table, which names them."""
-    found = [room.spot(frame) for frame, _ in parts]
     columns, cells = _cells(found)
     names = [
         each.name for _, elements in parts for each in elements if isinstance(each, ast.Module)
