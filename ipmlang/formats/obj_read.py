@@ -173,6 +173,8 @@ def _corners(lines: _Lines, sizes: tuple[int, int, int]) -> tuple[Ints, Ints]:
         return counts, np.zeros((0, 3), np.int64)
     table = _index_table(" ".join(texts), int(counts.sum()))
     if table is None:
+        table = _sorted_table(texts, counts)
+    if table is None:
         table = _mixed_table(at, texts)
     line = np.repeat(at, counts)
     places = (lines.points[0], lines.textures[0], lines.normals[0])
@@ -201,6 +203,27 @@ def _index_table(text: str, count: int) -> Ints | None:
     table[:, columns] = values.reshape(count, -1)
     if (table[:, columns] == 0).any():
         return None
+    return table
+
+
+def _sorted_table(texts: Sequence[str], counts: Ints) -> Ints | None:
+    """The indices where the corners of each face are written alike, but not those of all faces;
+    None where they are not.
+    """
+    styles: dict[tuple[int, bool], list[int]] = {}
+    for face, (text, count) in enumerate(zip(texts, counts.tolist(), strict=True)):
+        if count:
+            first = text.split(None, 1)[0]
+            styles.setdefault((first.count("/"), "//" in first), []).append(face)
+    table = np.zeros((int(counts.sum()), 3), np.int64)
+    begin = np.cumsum(counts) - counts
+    for faces in styles.values():
+        many = counts[faces]
+        own = _index_table(" ".join(texts[face] for face in faces), int(many.sum()))
+        if own is None:
+            return None
+        first_row = np.repeat(begin[faces] - np.cumsum(many) + many, many)
+        table[first_row + np.arange(len(own))] = own
     return table
 
 
