@@ -35,12 +35,13 @@ from ipmlang.inverse.split.comparison import Difference
 from ipmlang.inverse.split.cost import ASSET, SHAPE, scheme_tokens
 from ipmlang.inverse.split.explained import count_explained
 from ipmlang.inverse.split.facades.homes import at_home
+from ipmlang.inverse.split.measuring import reaches
 from ipmlang.inverse.split.parts_file import PartsFile, parts_name, write_parts
-from ipmlang.inverse.split.placing import Precision
+from ipmlang.inverse.split.placing import Precision, placed_tokens
 from ipmlang.inverse.split.printing.grammar import print_scheme
 from ipmlang.inverse.split.proof import prove
 from ipmlang.inverse.split.rows import risen
-from ipmlang.inverse.split.scheme import Scheme, Terminal
+from ipmlang.inverse.split.scheme import Place, Rule, Scheme, Terminal
 from ipmlang.inverse.split.search.assembly import flat
 
 LIMIT = 1e-6  # share of the diagonal that any corner may be off
@@ -79,8 +80,7 @@ def grammar_of_model(
     say(f"looking for rules among {len(parts.shape)} components")
     goal = _Goal(parts, source, limit, stem, capital(word(path.stem)) or "Building")
     plain = flat(parts)
-    singly = _said(goal, plain, ROUNDINGS[0], one_by_one=True)
-    goal = replace(goal, most=_all_tokens(goal, singly))
+    goal = replace(goal, most=_tokens_singly(goal, plain))
     schemes = iter([plain]) if is_flat else _searched(goal, plain, options)
     say("comparing with the model")
     for scheme in schemes:
@@ -169,6 +169,20 @@ def _length(goal: _Goal, scheme: Scheme) -> int:
     listed = [len(item.rows) for item in said.items if isinstance(item, ast.Table)]
     shapes = (ASSET + SHAPE) * len(said.terminals)
     return said.tokens + LISTED * len(listed) + ROW * sum(listed) + shapes
+
+
+def _tokens_singly(goal: _Goal, plain: Scheme) -> int:
+    """Tokens of the plain scheme with every placement written out: one is, the others counted."""
+    parts, rule = goal.parts, plain.symbols[plain.axiom]
+    assert isinstance(rule, Rule)
+    precision = Precision(ROUNDINGS[0] * goal.limit * parts.diagonal)
+    places = [item for item in rule.items if isinstance(item, Place)]
+    reach = reaches(replace(plain, symbols=plain.symbols[:-1])).tolist()
+    tokens = [placed_tokens(item.frames, precision, reach[item.symbol]) for item in places]
+    first = replace(rule, items=(replace(places[0], frames=places[0].frames[:1]),))
+    shorter = replace(plain, symbols=(*plain.symbols[:-1], first))
+    one = _newly_said(goal, shorter, ROUNDINGS[0], one_by_one=True)
+    return _all_tokens(goal, one) + sum(int(each.sum()) for each in tokens) - int(tokens[0][0])
 
 
 def _tokens(items: Sequence[ast.Item]) -> int:

@@ -14,7 +14,7 @@ from typing import TypeVar
 import numpy as np
 
 from ipmlang.compiler import ast
-from ipmlang.inverse.frames import Floats, Frames, turns
+from ipmlang.inverse.frames import Floats, Frames, Integers, turns
 from ipmlang.inverse.numbers import shortest
 from ipmlang.inverse.split.wording import NOTHING, Vector, all_nothing, bracket, call
 
@@ -22,6 +22,9 @@ Said = TypeVar("Said")
 
 WHOLE = 1e-9  # degrees or shares that are nothing
 NEARLY = 3.0  # times the error that a length may be off which is then nothing
+STEP = 6  # tokens of `translate(x, y, z)` or `rotate(a, b, c)` without signs
+FACTOR = 4  # tokens of `*(s)`
+BRACKET = 3  # tokens of `[… A]`
 ROOM = 3.0  # times the error that an angle may be off which is then a round one
 
 
@@ -160,3 +163,23 @@ def steps_to(spot: Spot) -> list[ast.Element]:
     if spot.mirrored:
         steps.append(ast.Module("mirror"))
     return steps
+
+
+def placed_tokens(frames: Frames, precision: Precision, reach: float) -> Integers:
+    """(n,) tokens of a bare symbol that is placed at each frame, without printing it.
+
+    >>> from ipmlang.inverse.frames import moved_to
+    >>> frames = moved_to(np.array([[0.0, 0, 0], [3, 4, 0], [0, -3, 0]]))
+    >>> placed_tokens(frames, Precision(1e-9), 1.0).tolist()
+    [1, 9, 10]
+    """
+    error = precision.degrees(reach)
+    angles = euler_angles(frames.rotation, max(WHOLE, ROOM * error))
+    turned = np.abs(angles) > ROOM * error
+    moved = np.abs(frames.position) > NEARLY * precision.length
+    scaled = np.abs(frames.scale - 1) > precision.ratio(reach)
+    steps = (frames.hand < 0) + FACTOR * scaled
+    for said, values in ((moved, frames.position), (turned, angles)):
+        signs = np.count_nonzero(said & (values < 0), axis=1)
+        steps = steps + np.where(said.any(axis=1), STEP + signs, 0)
+    return np.asarray(np.where(steps > 0, steps + BRACKET, 1), np.int64)

@@ -352,4 +352,4 @@ def _offsets(direction: Direction) -> Floats:
 def _holes(digits: Integers, counts: list[int]) -> frozenset[tuple[int, ...]]:
     there = np.zeros(counts, np.bool_)
     there[tuple(digits.T)] = True
-    return frozenset(tuple(row) for row in np.argwhere(~there).tolist())
+    return frozenset(zip(*(axis.tolist() for axis in np.nonzero(~there)), strict=True))
