@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from ipmlang.compiler import compile_file, ir
-from ipmlang.runtime import Scene, bodies, derive
+from ipmlang.runtime import bodies, derive
 from ipmlang.runtime.lineage import Lineage
 from ipmlang.runtime.numpy_backend import derive_frontier
+from ipmlang.runtime.scene import Scene
 from ipmlang.runtime.symbol_rows import modules_in
 
 PARTS = "".join(f'<rect id="{name}" width="{n + 1}" height="1"/>' for n, name in enumerate("abcde"))
@@ -37,7 +38,18 @@ DRAWN = {
     "start S",
     "two": "start repeat(r in P) { [f(r.x) r.shape] [f(-r.x) r.shape] }",
 }
-COLUMNS = "position rotation scale size asset label rule key layer style color".split()
+COLUMNS = (
+    "position",
+    "rotation",
+    "scale",
+    "size",
+    "asset",
+    "label",
+    "rule",
+    "key",
+    "layer",
+    "style",
+)
 
 
 def made(folder: Path, text: str) -> ir.Program:
