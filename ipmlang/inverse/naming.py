@@ -15,9 +15,11 @@ import numpy as np
 
 from ipmlang.compiler.ops import OPERATIONS
 from ipmlang.compiler.tokens import is_free_name
-from ipmlang.formats.drawing import ARC, CUBIC, LINE, QUADRATIC, Outline
+from ipmlang.formats.drawing import ARC, LINE, Outline
 
 LONGEST = 24
+BETWEEN = re.compile(r"\W+", re.ASCII)
+GENERAL = re.compile(r"(path|g|rect|use|svg|layer|group|circle|line)[\d_]*")  # says nothing
 TAKEN = frozenset({"i", "n", "r", "e", "pi", "split", "here"})
 POLYGONS = {3: "triangle", 4: "quad", 5: "pentagon", 6: "hexagon", 8: "octagon", 10: "star"}
 
@@ -55,12 +57,10 @@ def word(text: str) -> str:
     >>> word("us-Star 12"), word("07"), word("path1234")
     ('us_star_12', '', '')
     """
-    plain = re.sub(r"\W+", "_", text, flags=re.ASCII).strip("_").lower()
+    plain = BETWEEN.sub("_", text).strip("_").lower()
     if not plain or not plain[0].isalpha() or len(plain) > LONGEST:
         return ""
-    return (
-        "" if re.fullmatch(r"(path|g|rect|use|svg|layer|group|circle|line)[\d_]*", plain) else plain
-    )
+    return "" if GENERAL.fullmatch(plain) else plain
 
 
 def capital(name: str) -> str:
@@ -84,8 +84,7 @@ def shape_word(kind: str, outline: Outline | None, fragment: str | None) -> str:
         return "line" if kind == "line" else "dot"
     if len(outline.starts) > 2:
         return "shape"
-    bent = np.isin(outline.kind, [QUADRATIC, CUBIC])
-    if not bent.any() and (outline.kind == LINE).all():
+    if (outline.kind == LINE).all():
         if not outline.closed.all():
             return "polyline"
         return _polygon(outline)
@@ -105,7 +104,7 @@ def _polygon(outline: Outline) -> str:
 
 def own_hint(source: tuple[str, ...], above: int) -> str:
     """The last usable id or class of an element, or of a group that not everything stands in."""
-    return next((word(text) for text in reversed(source[above:]) if word(text)), "")
+    return next(filter(None, map(word, reversed(source[above:]))), "")
 
 
 def shared_hint(sources: Sequence[tuple[str, ...]], above: int) -> str:
@@ -113,7 +112,7 @@ def shared_hint(sources: Sequence[tuple[str, ...]], above: int) -> str:
     how many outer groups the whole drawing stands in.
     """
     shared = shared_groups(sources)
-    return next((word(text) for text in reversed(shared[above:]) if word(text)), "")
+    return next(filter(None, map(word, reversed(shared[above:]))), "")
 
 
 def shared_groups(sources: Sequence[tuple[str, ...]]) -> tuple[str, ...]:

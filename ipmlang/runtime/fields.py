@@ -119,6 +119,8 @@ def _reads_label(program: ir.Program) -> bool:
 
 def _all(codes: Iterable[Iterable[ir.Instruction]]) -> Iterator[ir.Instruction]:
     for code in codes:
-        for each in code:
+        waiting = list(reversed(tuple(code)))
+        while waiting:
+            each = waiting.pop()
             yield each
-            yield from _all((each.body,))
+            waiting += reversed(each.body)

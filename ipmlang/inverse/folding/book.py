@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from operator import is_
 from typing import TypeAlias
 
 import numpy as np
@@ -306,7 +307,9 @@ def _spread(
     made: list[Row] = []
     for row in rows:
         if row.inner:
-            made.append(replace(row, inner=_spread(row.inner, name, inner, given)))
+            own = _spread(row.inner, name, inner, given)
+            same = len(own) == len(row.inner) and all(map(is_, own, row.inner))
+            made.append(row if same else replace(row, inner=own))
         elif row.name != name or row.other is not None:
             made.append(row)
         else:
@@ -317,7 +320,7 @@ def _spread(
 def written_out(call: Row, inner: tuple[Row, ...], given: Rounding) -> tuple[Row, ...]:
     """The rows of a rule in place of a call of it."""
     origin = call.origin or call.name
-    inner = tuple(replace(each, origin=each.origin or origin) for each in inner)
+    inner = tuple(each if each.origin else replace(each, origin=origin) for each in inner)
     if call.pens or not all(each.placed for each in inner):
         return (replace(call, name="", inner=inner),)
     return moved(inner, _rounded(compose(frames_of([call]), frames_of(inner)), given))

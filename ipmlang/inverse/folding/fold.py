@@ -6,6 +6,7 @@ gives the shortest result by tokens. Nothing here fits numbers or prints rows.
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass
@@ -20,8 +21,9 @@ from ipmlang.inverse.folding.printing import printed, printed_tokens
 from ipmlang.inverse.folding.rows import Row
 from ipmlang.inverse.folding.templates import HEAD, Rounding, Template, best_template, rounding
 
-# Stretches by the rows that are in them, which are kept so that no other row gets their number.
-Fitted: TypeAlias = "tuple[list[tuple[Row, ...]], tuple[Template, int] | None]"
+# Stretches by the rows that are in them, which are kept so that no other row gets their number:
+# the tokens that a template had to save, and the best that does.
+Fitted: TypeAlias = "tuple[list[tuple[Row, ...]], int, tuple[Template, int] | None]"
 Known = dict[tuple[int, ...], Fitted]
 
 LEAST = 6  # tokens that a rule must save
@@ -116,8 +118,9 @@ def _best(book: Book, given: Rounding, known: Known) -> list[tuple[list[Stretch]
     for bound, stretches in candidates(book, TRIED):
         if bound < most * ALIKE:
             break
-        fitted = _fitted([book.rows_at(each) for each in stretches], given, known)
-        if fitted is not None and fitted[1] >= LEAST:
+        needed = max(LEAST, math.ceil(most * ALIKE))
+        fitted = _fitted([book.rows_at(each) for each in stretches], given, known, needed)
+        if fitted is not None:
             found.append((fitted[1], stretches, fitted[0]))
             most = max(most, fitted[1])
     found.sort(key=lambda each: -each[0])
@@ -132,13 +135,15 @@ def _best(book: Book, given: Rounding, known: Known) -> list[tuple[list[Stretch]
 
 
 def _fitted(
-    stretches: list[tuple[Row, ...]], given: Rounding, known: Known
+    stretches: list[tuple[Row, ...]], given: Rounding, known: Known, needed: int
 ) -> tuple[Template, int] | None:
-    """The template of some stretches, looked for once."""
+    """The template of some stretches that saves the tokens needed, looked for once."""
     key = tuple(id(row) for rows in stretches for row in rows)
-    if key not in known:
-        known[key] = stretches, best_template(stretches, given)
-    return known[key][1]
+    _, least, found = known.get(key, (stretches, needed + 1, None))
+    if found is None and needed < least:
+        found = best_template(stretches, given, needed)
+        known[key] = stretches, needed, found
+    return found if found is not None and found[1] >= needed else None
 
 
 def _wish(book: Book, stretches: Sequence[Stretch], template: Template) -> str:

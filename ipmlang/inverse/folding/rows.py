@@ -193,7 +193,8 @@ def _with(row: Row, values: Iterator[float]) -> Row:
     x, y, angle, scale = (next(values) for _ in STILL)
     args = tuple(next(values) for _ in row.args)
     inner = tuple(_with(each, values) for each in row.inner)
-    return replace(row, frame=(x, y, angle, scale), args=args, inner=inner)
+    frame = (x, y, angle, scale)
+    return Row(frame, row.hand, row.pens, row.name, args, inner, row.other, row.origin)
 
 
 # ------------------------------------------------------------------------ printing

@@ -117,27 +117,37 @@ def rounding(error: float) -> Rounding:
 
 
 def best_template(
-    stretches: Sequence[Sequence[Row]], given: Rounding
+    stretches: Sequence[Sequence[Row]], given: Rounding, needed: int
 ) -> tuple[Template, int] | None:
-    """The template that saves most tokens, and how many, for stretches of rows of the same kinds.
+    """The template that saves most tokens, and how many, for stretches of rows of the same kinds;
+    None where none saves those needed.
 
     What could stand anywhere is placed by those who call it, not by its parameters.
     """
     written = sum(row.tokens for each in stretches for row in each)
+    # The rule says each row at least once, and each call its name.
+    most = written - sum(row.least for row in stretches[0]) - len(stretches) - HEAD
+    if most < needed:
+        return None
     table = np.array([[value for row in each for value in row.numbers] for each in stretches])
-    # Each parameter is an argument of each call, and the rule says each row at least once.
-    least = sum(row.least for row in stretches[0])
-    most = min(MOST, (written - least - len(stretches)) // (len(stretches) + 1))
     best: tuple[Template, int] | None = None
     for places in _anchors(stretches[0], table, given):
-        made = _fitted(stretches[0], table, places, given, most)
+        made = _fitted(stretches[0], table, places, given, _parameters_for(most - needed, table))
         if made is None:
             continue
         saved = written - made.tokens - sum(row.tokens for row in made.call_rows("T"))
         saved -= READ * len(made.labels)
-        if best is None or saved > best[1]:
-            best = made, saved
+        if saved >= needed:
+            best, needed = (made, saved), saved + 1
     return best
+
+
+def _parameters_for(room: int, table: Floats) -> int:
+    """How many parameters so many tokens pay for at most: each is named in the rule's head and an
+    argument of each call (k of the table), with brackets around all of them.
+    """
+    calls = len(table)
+    return max(0, min(MOST, (room - 2 * (calls + 1)) // (calls + 1 + READ)))
 
 
 def _anchors(rows: Sequence[Row], table: Floats, given: Rounding) -> Iterator[Frames]:
@@ -180,7 +190,8 @@ def _fitted(
     for k, column in enumerate((local.x, local.y, local.angle, local.scale)):
         table[:, begins + k] = np.round(column, given.places if k < 2 else PLACES) + 0.0
     rows = [
-        replace(row, hand=int(hand)) for row, hand in zip(rows, local.handedness[0], strict=True)
+        row if row.hand == hand else replace(row, hand=hand)
+        for row, hand in zip(rows, local.handedness[0].tolist(), strict=True)
     ]
     rows, table = about_points(rows, table, begins.tolist(), given.error)
     words = [word for row in rows for word in labels_of(row)]

@@ -120,16 +120,19 @@ def _next(
     """Members between, before and after the known ones, as far ahead as half their number."""
     first, last = int(index.min()), int(index.max())
     before, after = _window(model, last - first + 1)
-    wanted = np.arange(first - before, last + after + 1)
+    fresh = np.ones(last - first + before + after + 1, np.bool_)
+    fresh[index - (first - before)] = False
+    wanted = np.flatnonzero(fresh) + (first - before)
     if model.kind == "vogel":
         wanted = wanted[wanted + model.numbers[5] > -0.5]
-    wanted = wanted[~np.isin(wanted, index)]
     if not len(wanted):
         return wanted, wanted
     reach = slack * allowance(known, model, wanted, share)
     hit = known.find(at(model, wanted), reach)
-    hit[(hit >= 0) & (used[hit] | np.isin(hit, rows))] = -1
-    wanted, hit = wanted[hit >= 0], hit[hit >= 0]
+    taken = used.copy()
+    taken[rows] = True
+    free = (hit >= 0) & ~taken[hit]
+    wanted, hit = wanted[free], hit[free]
     _, once = np.unique(hit, return_index=True)
     wanted, hit = wanted[np.sort(once)], hit[np.sort(once)]
     near = _unbroken(wanted, first, last)

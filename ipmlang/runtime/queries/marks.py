@@ -82,9 +82,11 @@ def _parts(production: ir.Production) -> Iterator[tuple[ir.Instruction, ...]]:
 
 
 def _all(code: tuple[ir.Instruction, ...]) -> Iterator[ir.Instruction]:
-    for each in code:
+    waiting = list(reversed(code))
+    while waiting:
+        each = waiting.pop()
         yield each
-        yield from _all(each.body)
+        waiting += reversed(each.body)
 
 
 def first_query(code: Sequence[ir.Instruction]) -> ir.Instruction | None:
