@@ -41,6 +41,7 @@ from ipmlang.inverse.ways import (
     Goal,
     Memories,
     searched,
+    searched_regular,
     ways_to_see,
     with_runs,
 )
@@ -136,9 +137,9 @@ def best_grammar(
         irregular = shortest > enough * flat_tokens and _may_be_regular(found.book)
         if irregular and len(observed) <= MOST_SCATTERED and not attempts:
             say("looking for lattices")
-            again = [searched(goal, way, say, memory, True) for way in seen_so]
-            again = [each for each in again if _bends_order(each.book)]
-            regular = _better(found, again, options.symmetrize)
+            again = [searched_regular(goal, way, say, memory) for way in seen_so]
+            bent = [each for each in again if each is not None and _bends_order(each.book)]
+            regular = _better(found, bent, options.symmetrize)
             if regular is not found:
                 folded = [each for each in folded if _beats(each, regular, options.symmetrize)]
                 found, folded = regular, [*folded, *_folded(regular, len(observed))]

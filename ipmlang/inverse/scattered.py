@@ -47,11 +47,15 @@ SNAP = 1e-4  # degrees, and a share: how near a similarity is to a plain one
 @dataclass(slots=True, eq=False)
 class Scattered:
     """ranks: by the first rank of an occurrence, the ranks of all its elements in the order of its
-    group; shift: by rank, how far an element is from where its group has it, x + iy.
+    group; shift: by rank, how far an element is from where its group has it, x + iy;
+    spared: tokens that groups save, without what another paint order takes; layered: whether there
+    is one.
     """
 
     ranks: dict[int, Integers] = field(default_factory=dict)
     shift: dict[int, complex] = field(default_factory=dict)
+    spared: float = 0.0
+    layered: bool = False
 
     def __bool__(self) -> bool:
         return bool(self.ranks)
@@ -96,6 +100,9 @@ def with_scattered(alphabet: Alphabet, string: Arrangement) -> tuple[Arrangement
         group = _best(alphabet, string, found)
         if group is None:
             break
+        layers = _layers(alphabet, string, group)
+        found.spared += _gain(alphabet, string, group) + layers
+        found.layered |= layers > 0
         string = _replaced(alphabet, string, group, found)
     return string, found
 
@@ -288,11 +295,15 @@ def _gain(alphabet: Alphabet, string: Arrangement, group: _Group) -> float:
     before = float((AROUND + NUMBER * numbers).sum())
     after = HEAD + 2 * (AROUND + 3 * NUMBER)
     after += RESIDUAL * int((np.abs(group.off) > alphabet.tolerance).sum())
+    return before - after - _layers(alphabet, string, group)
+
+
+def _layers(alphabet: Alphabet, string: Arrangement, group: _Group) -> float:
+    """Tokens of the paint order, where parts are not painted one after the other."""
     ranks = [np.diff(string.start[each]) for each in (group.one, group.other)]
     size = np.array([alphabet[each].size for each in string.symbol[group.one[:-1]].tolist()])
-    if any((each != size).any() for each in ranks):
-        after += LAYER * 2 * len(group.one)
-    return before - after
+    apart = any((each != size).any() for each in ranks)
+    return LAYER * 2 * len(group.one) if apart else 0.0
 
 
 def _replaced(

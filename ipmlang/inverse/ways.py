@@ -15,6 +15,7 @@ from ipmlang.formats.drawing import Drawing
 from ipmlang.inverse.baselines import settle_baselines
 from ipmlang.inverse.grammar_file import Subject, Written, write_grammar
 from ipmlang.inverse.lattices.choice import Memory, with_lattices
+from ipmlang.inverse.lattices.spared import Said, layers_weight, said
 from ipmlang.inverse.lsystem.curves import moved
 from ipmlang.inverse.lsystem.importance import Measure
 from ipmlang.inverse.lsystem.journal import Journal
@@ -31,6 +32,7 @@ from ipmlang.inverse.terminals import Instanced, grouped, instances
 from ipmlang.inverse.tolerances import Tolerances
 from ipmlang.inverse.upright import make_upright, settle_terminals
 
+ROOM = 100.0  # tokens by which what groups and lattices spare may be thought too little
 MOST_SCATTERED = 6000  # symbols among which lattices are looked for
 
 
@@ -58,11 +60,12 @@ class Found:
 @dataclass(slots=True, eq=False)
 class Way:
     """A way to see the drawing, runs under effects as symbols. left: the symbols and the string
-    that a search without lattices left, once there was one.
+    that a search without lattices left, once there was one; found: what it made of them.
     """
 
     instanced: Instanced
     left: tuple[Alphabet, Arrangement, Journal] | None = None
+    found: Found | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,38 +89,79 @@ def with_runs(goal: Goal, ways: list[Instanced]) -> list[Way]:
     return [Way(grouped(goal.observed, way, shared=True)) for way in ways]
 
 
-def searched(
-    goal: Goal, way: Way, say: Callable[[str], None], known: Memories, first: bool = False
-) -> Found:
-    """What is found when the drawing is seen in one way; first: lattices before other rules."""
-    alphabet = _copied(way.instanced.alphabet)
-    instanced = replace(way.instanced, alphabet=alphabet)
+def searched(goal: Goal, way: Way, say: Callable[[str], None], known: Memories) -> Found:
+    """What is found when the drawing is seen in one way."""
+    instanced = _copied(way.instanced)
+    string, journal = _run(goal, instanced, instanced.string, say, known)
+    if not goal.options.explain:
+        way.left = _copied(instanced).alphabet, string, journal
+    string = _with_lattices(goal, instanced, string, journal, known, scattered=False)
+    way.found = _printed(goal, instanced, string, journal)
+    return way.found
+
+
+def searched_regular(
+    goal: Goal, way: Way, say: Callable[[str], None], known: Memories
+) -> Found | None:
+    """What is found with lattices before other rules, and with groups in any order; None where
+    neither are.
+    """
+    instanced = _copied(way.instanced)
     # A table of the whole paint order pays only where lattices explain much: if they come first.
-    scattered = first and not instanced.effects
-    regular = instanced.string
-    if first:
-        regular = with_lattices(alphabet, regular, scattered, known.lattices)
-    if len(alphabet) == len(way.instanced.alphabet) and way.left is not None:
-        alphabet, string, journal = way.left
-        alphabet = _copied(alphabet)
-        instanced = replace(instanced, alphabet=alphabet)
-    else:
+    scattered = not instanced.effects
+    # Where somebody asks for what is regular it need not be short.
+    rival = None if goal.options.symmetrize else _rival(way, scattered)
+    regular = with_lattices(instanced.alphabet, instanced.string, scattered, known.lattices, rival)
+    if len(instanced.alphabet) > len(way.instanced.alphabet) or way.left is None:
         string, journal = _run(goal, instanced, regular, say, known)
-        if not first and not goal.options.explain:
-            way.left = _copied(alphabet), string, journal
-    if len(string) <= MOST_SCATTERED and not goal.options.paper:
-        before, string = string, with_lattices(alphabet, string, scattered, known.lattices)
-        _noting(goal, instanced, before, journal).note_lattices(string)
-    found = _printed(goal, instanced, string, journal)
-    if not scattered or len(string) > MOST_SCATTERED or goal.options.paper:
-        return found
-    alphabet = _copied(alphabet)
-    string, groups = with_scattered(alphabet, string)
-    if not groups:
-        return found
-    other = _printed(goal, replace(instanced, alphabet=alphabet), string, journal, groups)
-    asked = goal.options.symmetrize  # for what is regular, not what is short
-    return other if asked or other.written.weight < found.written.weight else found
+    elif rival is not None and rival.needed > rival.least:
+        return None
+    else:
+        alphabet, string, journal = way.left
+        instanced = _copied(replace(instanced, alphabet=alphabet))
+    string = _with_lattices(goal, instanced, string, journal, known, scattered)
+    made = []
+    if any(each.lattice is not None for each in instanced.alphabet.definitions):
+        made.append(_printed(goal, instanced, string, journal))
+    if scattered and len(string) <= MOST_SCATTERED and not goal.options.paper:
+        instanced = _copied(instanced)
+        string, groups = with_scattered(instanced.alphabet, string)
+        if groups:
+            made.append(_printed(goal, instanced, string, journal, groups))
+    if goal.options.symmetrize:  # for what is regular, not what is short
+        return made[-1] if made else None
+    return min(made, key=lambda each: each.written.weight, default=None)
+
+
+def _rival(way: Way, scattered: bool) -> Said | None:
+    """What a search without lattices says. If another paint order takes a table of all elements,
+    lattices must pay for what groups in any order do not.
+    """
+    if way.left is None or way.found is None:
+        return None
+    alphabet, string, _ = way.left
+    count, weight = len(way.instanced.seen.terminal), way.found.written.weight
+    needed = layers_weight(count) - ROOM
+    if scattered:
+        _, groups = with_scattered(Alphabet(alphabet.tolerance, list(alphabet.definitions)), string)
+        needed = -1.0 if groups and not groups.layered else needed - groups.spared
+    return said(alphabet, string, count, weight, needed)
+
+
+def _with_lattices(
+    goal: Goal,
+    instanced: Instanced,
+    string: Arrangement,
+    journal: Journal,
+    known: Memories,
+    scattered: bool,
+) -> Arrangement:
+    """The string that a search left, with lattices of what it found."""
+    if len(string) > MOST_SCATTERED or goal.options.paper:
+        return string
+    made = with_lattices(instanced.alphabet, string, scattered, known.lattices)
+    _noting(goal, instanced, string, journal).note_lattices(made)
+    return made
 
 
 def _printed(
@@ -134,9 +178,10 @@ def _printed(
     return Found(book, subject, write_grammar(book, subject), journal)
 
 
-def _copied(alphabet: Alphabet) -> Alphabet:
-    """An alphabet that a search may add to."""
-    return Alphabet(alphabet.tolerance, list(alphabet.definitions))
+def _copied(instanced: Instanced) -> Instanced:
+    """With an alphabet that a search may add to."""
+    alphabet = instanced.alphabet
+    return replace(instanced, alphabet=Alphabet(alphabet.tolerance, list(alphabet.definitions)))
 
 
 def _run(

@@ -1,13 +1,13 @@
 """Which lattices are worth a rule: those that take fewer digits than the placements they explain.
 
-Takes an arrangement; gives lattice rules and the rows that are left. Numbers are weighed by their
-digits, so that a row with small residuals is shorter than the same row of places, though both have
-as many numbers. Nothing here prints.
+Takes an arrangement; gives lattice rules and the rows that are left. Where it is known what another
+grammar makes of the same drawing, a lattice must spare more of that too, and what could not is not
+looked for. Nothing here prints.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TypeAlias
 
 import numpy as np
@@ -15,22 +15,14 @@ import numpy as np
 from ipmlang.inverse.lattices.build import Lattice
 from ipmlang.inverse.lattices.find import find_lattices
 from ipmlang.inverse.lattices.formula import LatticeRule, lattice_rule
-from ipmlang.inverse.lsystem.frames import Floats, Frames, compose, inverse
+from ipmlang.inverse.lattices.spared import Said
+from ipmlang.inverse.lattices.weighing import RULE, Weighing, layering, runs
+from ipmlang.inverse.lsystem.frames import compose, inverse
 from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers, joined
-from ipmlang.inverse.score import AROUND, DIGITS, INLINE_ROWS, TABLE, TABLE_ROWS
 
 LEAST = 4  # placements of one symbol among which anything is looked for
 NOISE = 0.015  # of the step: what members may be off and still belong
 ROUNDS = 4  # of looking again at what is left of one symbol
-RULE = 34.0  # tokens of a lattice's rule, usually
-CHANGE = 8.0  # more of one that turns about a centre, of turns and of growth
-CLEARLY = 8.0  # more that a rule with residuals must save: each takes about as much as a place
-RESIDUAL = 10.0  # of what reads a table of residuals
-HEADER = 8.0  # of `table T(x, y) =`
-PRINTED = 1 / 30  # of the tolerance: what printed numbers may be off
-PLACES = 9  # decimals that are counted
-BETWEEN = 2.0  # of what stands between the numbers of a row of a table in the text
-
 
 Memory: TypeAlias = "dict[bytes, list[Lattice]]"
 
@@ -40,13 +32,14 @@ def with_lattices(
     string: Arrangement,
     scattered: bool,
     known: Memory,
-    noise: float = NOISE,
+    rival: Said | None = None,
 ) -> Arrangement:
     """The string with a symbol in place of the members of each lattice that pays, where the first
     of them is painted. scattered: members need not be painted one after the other; known: what was
-    found among the same placements before, which is added to.
+    found among the same placements before, which is added to; rival: what says the same without
+    lattices, of which they must spare more than they take.
     """
-    chosen, left = choose_lattices(alphabet, string, scattered, known, noise)
+    chosen, left = choose_lattices(alphabet, string, scattered, known, rival)
     made = [left]
     for rule in chosen:
         lead = rule.formula.lead
@@ -65,27 +58,48 @@ def choose_lattices(
     string: Arrangement,
     scattered: bool,
     known: Memory,
-    noise: float = NOISE,
+    rival: Said | None,
 ) -> tuple[list[LatticeRule], Arrangement]:
     """Lattices that pay, and the string without their members."""
+    if not len(string):
+        return [], string
+    given = Weighing(alphabet, string, rival)
+    apart, together = given.limits()
+    ways = [(apart, True, rival.needed if rival else 0.0)] if scattered else []
+    ways.append((together, False, rival.least if rival else 0.0))
+    found: list[tuple[LatticeRule, float]] = []
+    for most, anyhow, needed in ways:
+        if sum(max(0.0, saved - RULE) for saved in most.values()) > needed:
+            found = list(_chosen(given, most, anyhow, known))
+        if sum(gain for _, gain in found) > needed:
+            break
+        found = []
     left = np.ones(len(string), np.bool_)
-    chosen: list[LatticeRule] = []
-    plain = string.wrap == string.wrap[0] if len(string) else left
+    for rule, _ in found:
+        left[rule.rows] = False
+    return [rule for rule, _ in found], string[left]
+
+
+def _chosen(
+    given: Weighing, most: Mapping[int, float], scattered: bool, known: Memory
+) -> Iterator[tuple[LatticeRule, float]]:
+    """Lattices that pay, and what each saves; most: what those of each symbol could."""
+    string = given.string
+    left = np.ones(len(string), np.bool_)
+    plain = string.wrap == string.wrap[0]
     if not scattered:  # what is not painted one after the other need not be looked at
-        plain &= _runs(string) >= LEAST
-    beside = _beside_numbers(string)
-    for symbol in np.unique(string.symbol).tolist():
+        plain &= runs(string) >= LEAST
+    for symbol in [each for each, saved in most.items() if saved > RULE]:
         for _ in range(ROUNDS):
             rows = np.flatnonzero((string.symbol == symbol) & left & plain)
-            if _placed_tokens(string, rows, beside, alphabet) <= RULE:
+            if given.placed_tokens(rows) <= RULE:
                 break
-            found = _lattices(alphabet, string, symbol, rows, noise, known)
-            made = list(_of_symbol(alphabet, string, symbol, rows, found, beside, scattered))
+            found = _lattices(given.alphabet, string, symbol, rows, known)
+            made = list(_of_symbol(given, symbol, rows, found, scattered))
             if not made:
                 break
-            chosen += made
-            left[np.concatenate([each.rows for each in made])] = False
-    return chosen, string[left]
+            yield from made
+            left[np.concatenate([rule.rows for rule, _ in made])] = False
 
 
 def _lattices(
@@ -93,7 +107,6 @@ def _lattices(
     string: Arrangement,
     symbol: int,
     rows: Integers,
-    noise: float,
     known: Memory,
 ) -> list[Lattice]:
     """What is found among these rows of the string, looked for once."""
@@ -102,7 +115,7 @@ def _lattices(
     definition, placed = alphabet[symbol], string.placed[rows]
     group = definition.stabiliser
     columns = (placed.x, placed.y, placed.angle, placed.scale, placed.handedness, group.angle)
-    sizes = np.array([definition.radius, alphabet.tolerance, noise, definition.free])
+    sizes = np.array([definition.radius, alphabet.tolerance, definition.free])
     key = b"".join(each.tobytes() for each in (*columns, string.start[rows], sizes))
     if key not in known:
         known[key] = find_lattices(
@@ -111,126 +124,30 @@ def _lattices(
             definition.free,
             definition.radius,
             2 * alphabet.tolerance,
-            noise,
+            NOISE,
             string.start[rows],
         )
     return known[key]
 
 
 def _of_symbol(
-    alphabet: Alphabet,
-    string: Arrangement,
-    symbol: int,
-    rows: Integers,
-    found: list[Lattice],
-    beside: Floats,
-    scattered: bool,
-) -> Iterator[LatticeRule]:
-    """Lattices of one symbol that share no member, best first; `rows` are rows of the string;
-    beside: (n,) tokens of each row of the string beside its numbers.
+    given: Weighing, symbol: int, rows: Integers, found: list[Lattice], scattered: bool
+) -> Iterator[tuple[LatticeRule, float]]:
+    """Lattices of one symbol that share no member, best first, and what each saves without what the
+    paint order takes; `rows` are rows of the string.
     """
-    definition = alphabet[symbol]
+    string, tolerance = given.string, given.alphabet.tolerance
+    radius = given.alphabet[symbol].radius
     used = np.zeros(len(string), np.bool_)
     for lattice in found:
-        rule = lattice_rule(
-            symbol, lattice, string.start[rows], definition.radius, alphabet.tolerance
-        )
+        rule = lattice_rule(symbol, lattice, string.start[rows], radius, tolerance)
         if rule is None:
             continue
         members = rows[rule.rows]
         together = bool((np.diff(members) == 1).all())
-        if not (scattered or together):
+        if used[members].any() or not (scattered or together):
             continue
-        if not used[members].any() and _gain(rule, string, members, beside, alphabet) > 0:
+        gain = given.gain(rule, members)
+        if gain > layering(members):
             used[members] = True
-            yield rule.of(members)
-
-
-def _beside_numbers(string: Arrangement) -> Floats:
-    """(n,) tokens of a placement beside its numbers: less in runs long enough for a table, where
-    each row has its share of what the table itself takes.
-    """
-    sizes = _runs(string)
-    tabled = np.where(sizes <= INLINE_ROWS, BETWEEN, 0.0) + TABLE / np.maximum(sizes, 1)
-    return np.where(sizes >= TABLE_ROWS, np.minimum(tabled, AROUND), AROUND)
-
-
-def _runs(string: Arrangement) -> Integers:
-    """(n,) how long the run of one symbol is in which each placement stands."""
-    sizes = np.diff(np.flatnonzero(np.diff(string.symbol, prepend=-1, append=-1)))
-    return np.repeat(sizes, sizes)
-
-
-def _gain(
-    rule: LatticeRule,
-    string: Arrangement,
-    members: Integers,
-    beside: Floats,
-    alphabet: Alphabet,
-) -> float:
-    """Tokens saved, numbers weighed by their digits."""
-    placed, fine = string.placed[members], PRINTED * alphabet.tolerance
-    reach = max(alphabet[rule.part].radius, fine)
-    columns = _columns(placed, fine, reach)
-    before = sum(
-        _digits(value, error).sum() for value, error, rest in columns if np.ptp(value) or rest
-    )
-    before = before / DIGITS + float(beside[members].sum())
-    formula = rule.formula
-    after = RULE + 2.0 * len(rule.holes)
-    after += CHANGE * (bool(formula.growth.any()) + bool(formula.turn.any()))
-    after += CHANGE * (formula.polar is not None)
-    inside = {"x": fine, "y": fine, "angle": np.rad2deg(fine / reach), "scale": fine / reach}
-    for name in rule.columns:
-        after += float(_digits(getattr(rule.residual, name), inside[name]).sum()) / DIGITS
-    if rule.columns:
-        # Rows of residuals take as much as the rows of places that they stand for.
-        rows = BETWEEN * len(members) if formula.count <= INLINE_ROWS else 0.0
-        after += CLEARLY + RESIDUAL + HEADER + rows + len(rule.holes)
-    return float(before - after - _layering(members))
-
-
-def _placed_tokens(
-    string: Arrangement, rows: Integers, beside: Floats, alphabet: Alphabet
-) -> float:
-    """Tokens of placements of one symbol, at most: what a rule of all of them could save."""
-    if not len(rows):
-        return 0.0
-    fine = PRINTED * alphabet.tolerance
-    reach = max(alphabet[int(string.symbol[rows[0]])].radius, fine)
-    columns = _columns(string.placed[rows], fine, reach)
-    digits = sum(float(_digits(value, error).sum()) for value, error, _ in columns)
-    return digits / DIGITS + float(beside[rows].sum())
-
-
-def _columns(placed: Frames, fine: float, reach: float) -> list[tuple[Floats, float, bool]]:
-    turn, factor = float(np.rad2deg(fine / reach)), fine / reach
-    return [
-        (placed.x, fine, True),
-        (placed.y, fine, True),
-        (placed.angle, turn, False),
-        (placed.scale, factor, False),
-    ]
-
-
-def _layering(members: Integers) -> float:
-    """What it takes to keep the paint order of members that do not follow each other: a cell of a
-    table for each, and about as much for what is painted among them.
-    """
-    together = bool((np.diff(members) == 1).all())
-    return 0.0 if together else 1.2 * len(members)
-
-
-def _digits(values: Floats, error: float) -> Floats:
-    """(n,) digits of the shortest decimals within an error.
-
-    >>> _digits(np.array([30.0, -0.25, 1.23456, 0.0]), 1e-3).tolist()
-    [2.0, 2.0, 4.0, 0.5]
-    """
-    digits = np.full(values.shape, np.nan)
-    for places in range(PLACES):
-        tens = np.abs(np.round(values * 10.0**places))
-        near = np.isnan(digits) & (np.abs(np.abs(values) - tens / 10.0**places) <= error)
-        digits[near] = np.floor(np.log10(np.maximum(tens[near], 0.1))) + 1
-    long = np.log10(np.abs(values) * 10.0**PLACES + 1.0)
-    return np.asarray(np.maximum(0.5, np.where(np.isnan(digits), long, digits)))
+            yield rule.of(members), gain
