@@ -153,3 +153,48 @@ def test_whatever_is_folded_draws_the_same(seed: int) -> None:
         body.append(f"[at({x}, {y}, {turn}){mirror} Copy{len(body)}]")
         body.append(f"Copy{len(body) - 1} --> {rows}")
     folded(f"Drawing --> {' '.join(body[::2])}\n" + "\n".join(body[1::2]) + "\n")
+
+
+def card(shape: str, y: float) -> str:
+    """A box with a symbol at two corners and in the middle."""
+    return (
+        f"Box [at(2, {y}, 0, 1.25) {shape}] [at(17.5, {30 - y}, 180, 1.25) {shape}] "
+        f"[at(9.75, 15) {shape}] Bar"
+    )
+
+
+def test_rules_that_differ_in_a_symbol_are_one() -> None:
+    names = ("Dot", "Bar", "Box")
+    text = "Drawing --> [at(1, 2) A] [at(9, 4) B] [at(5, 7) C]\n"
+    for name, shape in zip("ABC", names, strict=True):
+        text += f"{name} --> {card(shape, 3)}\n"
+    made = folded(text)
+    assert "[at(1, 2) A(Dot)] [at(9, 4) A(Bar)]" in made
+    assert "A(shape) -->" in made
+    assert made.count("17.5") == 1
+
+
+def test_symbols_and_numbers_vary_together() -> None:
+    text = "Drawing --> [at(1, 2) A] [at(9, 4) B] [at(5, 7) C] [at(3, 1) A] [at(4, 4) B]\n"
+    for name, shape, y in (("A", "Dot", 3), ("B", "Bar", 5.5), ("C", "Dot", 4.25)):
+        text += f"{name} --> {card(shape, y)} [at({y}, {y}) Dot] Box\n"
+    made = folded(text)
+    assert "A(Dot, 3)" in made
+    assert "A(Bar, 5.5)" in made
+    assert "[at(17.5, 30 - " in made
+
+
+def test_a_rule_that_is_told_as_much_as_it_draws_is_none() -> None:
+    pairs = [("Dot", "Bar", 3, 5), ("Box", "Dot", 6, 1), ("Bar", "Box", 2, 9), ("Dot", "Box", 4, 4)]
+    cells = [
+        f"[at({7 * k}, {3 * k}, {k}) Box] [at({7 * k + x}, {y}, 180, 1.5) {one}] {other}"
+        for k, (one, other, x, y) in enumerate(pairs)
+    ]
+    assert "shape" not in folded(f"Drawing --> {' '.join(cells)}\n")
+
+
+def test_what_moves_the_turtle_is_no_symbol_to_give() -> None:
+    text = "Drawing --> [at(1, 2) A] [at(9, 4) B] [at(5, 7) A]\nGo --> f(3)\n"
+    for name, thing in (("A", "[at(1, 1) Go] Go"), ("B", "[at(1, 1) Dot] Dot")):
+        text += f"{name} --> Box [at(4, 2) Dot] [at(7, 8) Bar] [at(12, 9) Box] {thing}\n"
+    assert "(Go" not in folded(text)

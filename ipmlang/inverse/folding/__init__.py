@@ -1,4 +1,4 @@
-"""Rules that differ in numbers alone become one rule with parameters, and steps become repeats.
+"""Rules that differ in numbers or symbols become one rule with parameters, steps become repeats.
 
 Takes rules as they are printed, gives fewer and shorter ones that draw the same in the same order;
 `fold` is the entry. Nothing here knows drawings, frames of shapes, or how rules were found.

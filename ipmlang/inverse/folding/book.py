@@ -75,7 +75,7 @@ class Book:
     def add(self, name: str, template: Template, wish: str) -> None:
         """A new rule; without parameters it is a plain one."""
         self.wishes[name] = wish
-        if template.labels:
+        if template.labels or template.given.count:
             self.templates[name] = template
         else:
             self.plain[name] = template.rows
@@ -150,6 +150,9 @@ class Book:
         if any(row.name == name for each in self.templates.values() for row in _all(each.rows)):
             return None
         rows = [row for own in self.plain.values() for row in _all(own)]
+        named = (row for each in self.templates.values() for row in _all(each.rows))
+        if any(name in row.symbols for row in (*rows, *named)):
+            return None
         if any(row.other is not None and name in modules((row.other,)) for row in rows):
             return None
         return [row for row in rows if row.name == name]
@@ -249,8 +252,9 @@ def modules(body: Sequence[ast.Element]) -> Iterator[str]:
     """The names that stand in a body."""
     for each in body:
         match each:
-            case ast.Module(name):
+            case ast.Module(name, args):
                 yield name
+                yield from (arg.value.id for arg in args if isinstance(arg.value, ast.Name))
             case ast.Bracket(inner) | ast.Repeat(_, inner):
                 yield from modules(inner)
 
@@ -262,7 +266,7 @@ def _count(rows: Sequence[Row], found: Counter[str]) -> None:
         elif row.inner:
             _count(row.inner, found)
         else:
-            found[row.name] += 1
+            found.update((row.name, *row.symbols))
 
 
 def _all(rows: Sequence[Row]) -> Iterator[Row]:
@@ -274,7 +278,12 @@ def _all(rows: Sequence[Row]) -> Iterator[Row]:
 
 def _renamed(rows: tuple[Row, ...], names: Mapping[str, str]) -> tuple[Row, ...]:
     return tuple(
-        replace(row, name=names.get(row.name, row.name), inner=_renamed(row.inner, names))
+        replace(
+            row,
+            name=names.get(row.name, row.name),
+            inner=_renamed(row.inner, names),
+            symbols=tuple(names.get(each, each) for each in row.symbols),
+        )
         for row in rows
     )
 

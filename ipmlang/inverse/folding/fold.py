@@ -1,4 +1,4 @@
-"""Folds rules: stretches of rows that differ in numbers alone become one rule with parameters.
+"""Folds rules: stretches of rows that differ in numbers or symbols become one rule with parameters.
 
 Takes printed rules; tries from several levels of detail, the largest rules written out or not, and
 gives the shortest result by tokens. Nothing here fits numbers or prints rows.
@@ -16,7 +16,7 @@ import numpy as np
 
 from ipmlang.compiler import ast
 from ipmlang.inverse.folding.book import Book, Stretch, read_book, written_out
-from ipmlang.inverse.folding.candidates import candidates
+from ipmlang.inverse.folding.candidates import FORM, KIND, Alike, candidates
 from ipmlang.inverse.folding.printing import printed, printed_tokens
 from ipmlang.inverse.folding.rows import Row
 from ipmlang.inverse.folding.templates import HEAD, Rounding, Template, best_template, rounding
@@ -31,6 +31,8 @@ ROUNDS = 24  # in each of which rules are found that do not meet
 ALIKE = 0.5  # of what the best rule of a round saves another one must save
 TRIED = 24  # candidates of a round that are looked at closely
 LEVELS = 6  # sizes above which rules are written out first
+NAMED = 3  # levels at which symbols may be parameters, too: those that save most without
+NEAR = 0.03  # of all tokens, by which such a level may be worse than the best one
 MOST_ROWS = 3000  # rows among which stretches are looked for
 
 
@@ -54,15 +56,28 @@ def fold(rules: Sequence[ast.Rule], error: float, taken: Set[str]) -> Folded:
     if first.length() > MOST_ROWS:
         return best
     before, loose = printed_tokens(rules), first.loose()
+
+    def folded(book: Book, alike: Sequence[Alike]) -> Folded:
+        _merge(book, given, known, before - best.spared, alike)
+        made = printed(book, given, taken)
+        return Folded(made, before - printed_tokens(made), book.loose() - loose)
+
+    found: list[tuple[int, Book]] = []
     for book in _levels(first, given):
         if book.length() > MOST_ROWS:
             break
-        _merge(book, given, known, before - best.spared)
-        made = printed(book, given, taken)
-        spared = before - printed_tokens(made)
-        if spared > best.spared:
-            best = Folded(made, spared, book.loose() - loose)
+        made = folded(book.copy(), (KIND,))
+        found.append((made.spared, book))
+        best = max(best, made, key=_spared)
+    found.sort(key=lambda each: -each[0])
+    for spared, book in found[:NAMED]:
+        if spared >= found[0][0] - NEAR * before:
+            best = max(best, folded(book, (KIND, FORM)), key=_spared)
     return best
+
+
+def _spared(folded: Folded) -> int:
+    return folded.spared
 
 
 def _levels(book: Book, given: Rounding) -> Iterator[Book]:
@@ -87,7 +102,9 @@ def _sizes(book: Book) -> dict[str, int]:
     return sizes
 
 
-def _merge(book: Book, given: Rounding, known: Known, least: int) -> None:
+def _merge(
+    book: Book, given: Rounding, known: Known, least: int, alike: Sequence[Alike] = (KIND,)
+) -> None:
     """Put the stretches that save most into rules, round by round, as long as there is hope to come
     below the least tokens known: most is saved in the first rounds.
     """
@@ -95,7 +112,7 @@ def _merge(book: Book, given: Rounding, known: Known, least: int) -> None:
     for done in range(ROUNDS):
         if done and book.tokens() > least * (1 + 1 / (1 + done)):
             break
-        found = _best(book, given, known)
+        found = _best(book, given, known, alike)
         put: dict[Stretch, Row] = {}
         touched: set[str] = set()
         for stretches, template in found:
@@ -111,15 +128,19 @@ def _merge(book: Book, given: Rounding, known: Known, least: int) -> None:
         _write_out_poor(book, touched, given)
 
 
-def _best(book: Book, given: Rounding, known: Known) -> list[tuple[list[Stretch], Template]]:
+def _best(
+    book: Book, given: Rounding, known: Known, alike: Sequence[Alike]
+) -> list[tuple[list[Stretch], Template]]:
     """The stretches that save most as one rule, and others that save hardly less elsewhere."""
     found: list[tuple[int, list[Stretch], Template]] = []
     most = LEAST / ALIKE
-    for bound, stretches in candidates(book, TRIED):
+    tried = [each for kind in alike for each in candidates(book, TRIED, kind)]
+    for bound, stretches in sorted(tried, key=lambda each: -each[0]):
         if bound < most * ALIKE:
             break
         needed = max(LEAST, math.ceil(most * ALIKE))
-        fitted = _fitted([book.rows_at(each) for each in stretches], given, known, needed)
+        rows = [book.rows_at(each) for each in stretches]
+        fitted = _fitted(rows, given, known, needed, book.leaving)
         if fitted is not None:
             found.append((fitted[1], stretches, fitted[0]))
             most = max(most, fitted[1])
@@ -135,13 +156,17 @@ def _best(book: Book, given: Rounding, known: Known) -> list[tuple[list[Stretch]
 
 
 def _fitted(
-    stretches: list[tuple[Row, ...]], given: Rounding, known: Known, needed: int
+    stretches: list[tuple[Row, ...]],
+    given: Rounding,
+    known: Known,
+    needed: int,
+    leaving: Set[str],
 ) -> tuple[Template, int] | None:
     """The template of some stretches that saves the tokens needed, looked for once."""
     key = tuple(id(row) for rows in stretches for row in rows)
     _, least, found = known.get(key, (stretches, needed + 1, None))
     if found is None and needed < least:
-        found = best_template(stretches, given, needed)
+        found = best_template(stretches, given, needed, leaving)
         known[key] = stretches, needed, found
     return found if found is not None and found[1] >= needed else None
 

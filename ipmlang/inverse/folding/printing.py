@@ -25,7 +25,7 @@ def printed(book: Book, given: Rounding, taken: Set[str]) -> tuple[ast.Rule, ...
     for name, rows in named.plain.items():
         made[name] = (ast.Rule(ast.Head(name), with_repeats(rows, given, named.leaving)),)
     for name, template in named.templates.items():
-        own = parameters(template.labels, taken)
+        own = parameters(template.words, {*taken, *made})
         head = ast.Head(name, tuple(map(ast.Parameter, own)))
         made[name] = (ast.Rule(head, _shared(template.body(own, named.leaving), named.leaving)),)
     return tuple(rule for name in _order(named.axiom, made) for rule in made[name])

@@ -32,8 +32,9 @@ class Row:
     """One element: `[at(x, y, angle, scale) mirror effect("…") A(args)]`.
 
     frame: units, degrees, factor; pens: operations with no number in them; name, args: the symbol,
-    "" for a bracket of rows; inner: these; other: an element that is taken as it is; origin: the
-    rule that it stood in before that was written out.
+    "" for a bracket of rows; symbols: those that it is given, before its args; inner: these; other:
+    an element that is taken as it is; origin: the rule that it stood in before that was written
+    out.
     """
 
     frame: Frame = STILL
@@ -44,12 +45,29 @@ class Row:
     inner: tuple[Row, ...] = ()
     other: ast.Element | None = None
     origin: str = ""
+    symbols: tuple[str, ...] = ()
 
     @cached_property
     def kind(self) -> Kind:
         """What it is without its numbers; rows of one kind can be one row with parameters."""
         inner = tuple(row.kind for row in self.inner)
-        return (self.hand, self.pens, self.name, len(self.args), inner, self.other)
+        return (self.hand, self.pens, self.name, self.symbols, len(self.args), inner, self.other)
+
+    @cached_property
+    def form(self) -> Kind:
+        """What it is without its numbers and the symbols that may be parameters."""
+        inner = tuple(row.form for row in self.inner)
+        name = "" if self.names and not self.symbols else self.name
+        count = len(self.symbols), len(self.args)
+        return (self.hand, self.pens, name, *count, inner, self.other)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """The symbols in it that may be parameters: those without arguments, and those given."""
+        if self.symbols or self.args or self.other is not None:
+            return self.symbols
+        own = (self.name,) if self.name else ()
+        return (*own, *(name for row in self.inner for name in row.names))
 
     @cached_property
     def numbers(self) -> tuple[float, ...]:
@@ -70,7 +88,8 @@ class Row:
         if self.other is not None:
             return self.tokens
         inner = sum(row.least for row in self.inner)
-        return 1 + inner + sum(map(element_tokens, self.pens)) + 3 * bool(self.args)
+        given = 3 * bool(self.args) + len(self.symbols)
+        return 1 + inner + sum(map(element_tokens, self.pens)) + given
 
     @property
     def turning(self) -> bool:
@@ -80,7 +99,8 @@ class Row:
     @property
     def bare(self) -> int:
         """What its symbol takes."""
-        return 1 + (2 + len(self.args) if self.args else 0)
+        given = len(self.symbols) + len(self.args)
+        return 1 + (2 + given if given else 0)
 
     @property
     def placed(self) -> bool:
@@ -178,6 +198,7 @@ def moved(rows: Sequence[Row], places: Frames) -> tuple[Row, ...]:
             row.inner,
             row.other,
             row.origin,
+            row.symbols,
         )
         for row, (x, y, angle, scale, hand) in zip(rows, places.rows(), strict=True)
     )
@@ -216,7 +237,8 @@ def _element(row: Row, values: Iterator[ast.Expr], leaving: Set[str]) -> ast.Ele
     frame = [next(values) for _ in STILL]
     if row.other is not None:
         return row.other
-    args = tuple(ast.Argument(next(values)) for _ in row.args)
+    named = (ast.Argument(ast.Name(each)) for each in row.symbols)
+    args = (*named, *(ast.Argument(next(values)) for _ in row.args))
     moves = (*_moves(frame), *(ast.Module("mirror") for _ in range(row.hand < 0)), *row.pens)
     if row.inner:
         inner = [_element(each, values, leaving) for each in row.inner]
@@ -249,7 +271,8 @@ def row_tokens(row: Row, words: Iterator[Words]) -> int:
     (x, at_x), (y, at_y), (angle, turn), (scale, factor) = (next(words) for _ in STILL)
     if row.other is not None:
         return element_tokens(row.other)
-    thing = 1 + (2 + sum(next(words)[0] for _ in row.args) if row.args else 0)
+    thing = 1 + len(row.symbols) + (2 if row.args or row.symbols else 0)
+    thing += sum(next(words)[0] for _ in row.args)
     turned, scaled = turn != 0, factor != 1
     start = (row.hand < 0) + sum(map(element_tokens, row.pens))
     if at_x != 0 or at_y != 0:

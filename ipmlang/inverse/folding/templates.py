@@ -1,6 +1,6 @@
-"""One rule with parameters for stretches of rows that differ in numbers alone.
+"""One rule with parameters for stretches of rows that differ in numbers, or in symbols, too.
 
-Takes several stretches of rows of the same kinds; finds the frame of each in which they differ
+Takes several stretches of rows of the same forms; finds the frame of each in which they differ
 least, which numbers vary, and which of these follow another one; gives the rule's rows with
 expressions, and the arguments of each stretch. Nothing here searches.
 """
@@ -26,6 +26,7 @@ from ipmlang.inverse.folding.rows import (
     row_tokens,
     with_numbers,
 )
+from ipmlang.inverse.folding.symbols import LABEL, MARK, Given, given_symbols, with_marks
 from ipmlang.inverse.lsystem.frames import Frames, compose, frames, identity, inverse
 from ipmlang.inverse.numbers import linear, shortest
 
@@ -72,7 +73,7 @@ class Said:
 class Template:
     """A rule with parameters. rows, said: what it says, a Said for every number of the rows;
     labels: a word for each parameter; calls: (k, p) the arguments of each stretch; places: (k,)
-    where each stands.
+    where each stands; given: the parameters that are symbols, which come first.
     """
 
     rows: tuple[Row, ...]
@@ -80,24 +81,33 @@ class Template:
     labels: tuple[str, ...]
     calls: Floats
     places: Frames
+    given: Given
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """A word for each parameter, symbols first."""
+        return (*(LABEL for _ in range(self.given.count)), *self.labels)
 
     def body(self, names: Sequence[str], leaving: Set[str]) -> tuple[ast.Element, ...]:
         """What the rule says with these names of parameters."""
-        values = iter([each.expr(names) for each in self.said])
-        return tuple(
-            element(row, [next(values) for _ in row.numbers], leaving) for row in self.rows
-        )
+        count = self.given.count
+        values = iter([each.expr(names[count:]) for each in self.said])
+        rows = with_marks(self.rows, {f"{MARK}{k}": name for k, name in enumerate(names[:count])})
+        return tuple(element(row, [next(values) for _ in row.numbers], leaving) for row in rows)
 
     @cached_property
     def tokens(self) -> int:
         """Of the rule, its head included."""
         words = iter([each.words for each in self.said])
         own = sum(row_tokens(row, words) for row in self.rows)
-        return HEAD + (2 + len(self.labels) if self.labels else 0) + own
+        return HEAD + (2 + len(self.words) if self.words else 0) + own
 
     def call_rows(self, name: str) -> list[Row]:
         """The row that stands for each stretch."""
-        still = [Row(name=name, args=tuple(each)) for each in self.calls.tolist()]
+        still = [
+            Row(name=name, args=tuple(each), symbols=symbols)
+            for each, symbols in zip(self.calls.tolist(), self.given.names, strict=True)
+        ]
         return list(moved(still, self.places))
 
 
@@ -117,26 +127,38 @@ def rounding(error: float) -> Rounding:
 
 
 def best_template(
-    stretches: Sequence[Sequence[Row]], given: Rounding, needed: int
+    stretches: Sequence[Sequence[Row]],
+    given: Rounding,
+    needed: int,
+    bound: Set[str] = frozenset(),
 ) -> tuple[Template, int] | None:
-    """The template that saves most tokens, and how many, for stretches of rows of the same kinds;
+    """The template that saves most tokens, and how many, for stretches of rows of the same forms;
     None where none saves those needed.
 
-    What could stand anywhere is placed by those who call it, not by its parameters.
+    What could stand anywhere is placed by those who call it, not by its parameters; bound: symbols
+    that cannot be parameters.
     """
+    symbols = given_symbols(stretches, bound)
+    if symbols is None:
+        return None
     written = sum(row.tokens for each in stretches for row in each)
     # The rule says each row at least once, and each call its name.
     most = written - sum(row.least for row in stretches[0]) - len(stretches) - HEAD
     if most < needed:
         return None
     table = np.array([[value for row in each for value in row.numbers] for each in stretches])
+    few = _parameters_for(most - needed, table) - symbols.count
+    if symbols.count:  # what draws hardly more than it is told is no easier to read
+        few = min(few, symbols.things - symbols.count)
+    if few < 0:
+        return None
     best: tuple[Template, int] | None = None
     for places in _anchors(stretches[0], table, given):
-        made = _fitted(stretches[0], table, places, given, _parameters_for(most - needed, table))
+        made = _fitted(symbols, table, places, given, few)
         if made is None:
             continue
         saved = written - made.tokens - sum(row.tokens for row in made.call_rows("T"))
-        saved -= READ * len(made.labels)
+        saved -= READ * len(made.words)
         if saved >= needed:
             best, needed = (made, saved), saved + 1
     return best
@@ -176,11 +198,12 @@ def _begins(rows: Sequence[Row]) -> list[int]:
 
 
 def _fitted(
-    rows: Sequence[Row], table: Floats, places: Frames, given: Rounding, most: int
+    symbols: Given, table: Floats, places: Frames, given: Rounding, most: int
 ) -> Template | None:
     """The template whose rows stand in the given frames, None where more than `most`
     numbers would be parameters.
     """
+    rows: Sequence[Row] = symbols.rows
     begins = np.array(_begins(rows))
     hands = np.array([row.hand for row in rows], np.int8)
     x, y, angle, scale = (table[:, begins + k] for k in range(4))
@@ -202,7 +225,7 @@ def _fitted(
     said, used, signs = found
     calls = table[:, used] * signs + 0.0
     own = with_numbers(rows, table[0].tolist())
-    return Template(own, tuple(said), tuple(words[c] for c in used), calls, places)
+    return Template(own, tuple(said), tuple(words[c] for c in used), calls, places, symbols)
 
 
 def labels_of(row: Row) -> list[str]:
