@@ -39,11 +39,17 @@ def in_runs(table: ast.Table) -> bool:
     return changes < len(shapes_of(table))
 
 
-def only(table: ast.Table, shape: str) -> ast.Table:
-    """The rows of a table that place a symbol, without the column `shape`."""
+def by_shape(table: ast.Table) -> dict[str, ast.Table]:
+    """For each symbol that a table places its rows, without the column `shape`."""
     column = table.columns.index(SHAPE)
-    rows = tuple(row for row in table.rows if row[column] == ast.Name(shape))
-    return without_shapes(replace(table, rows=rows))
+    found: dict[str, list[tuple[ast.Expr, ...]]] = {}
+    for row in table.rows:
+        cell = row[column]
+        if isinstance(cell, ast.Name):
+            found.setdefault(cell.id, []).append(row)
+    return {
+        shape: without_shapes(replace(table, rows=tuple(rows))) for shape, rows in found.items()
+    }
 
 
 def choices(table: ast.Table) -> ast.Table:

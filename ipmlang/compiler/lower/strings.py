@@ -46,6 +46,8 @@ class Strings:
         self._productions = productions
         self._found = found
         self._bent = bent
+        self._what: dict[int, str | None] = {}  # what modules of symbols need a string for
+        self._trouble: dict[int, Misplaced | None] = {}
         own = [self._own(symbol) for symbol in symbols]
         children = [{number for each in every for number in _called(each.body)} for every in own]
         plain = [self._is_plain(*pair) for pair in zip(symbols, own, strict=True)]
@@ -80,7 +82,12 @@ class Strings:
         return self._wrong(production) is not None
 
     def _wrong(self, production: ir.Production) -> Misplaced | None:
-        """What in a production needs a string around it."""
+        """What in a production needs a string around it, looked for once."""
+        if id(production) not in self._trouble:
+            self._trouble[id(production)] = self._found_wrong(production)
+        return self._trouble[id(production)]
+
+    def _found_wrong(self, production: ir.Production) -> Misplaced | None:
         if production.left or production.right:
             return Misplaced(production, None, "a context")
         for each in _all(production.body):
@@ -105,7 +112,13 @@ class Strings:
 
     def _needed(self, module: ir.Instruction) -> str | None:
         """What a module needs a string for, in the words of the message."""
-        symbol = self._symbols[_number(module)]
+        number = _number(module)
+        if number not in self._what:
+            self._what[number] = self._need_of(self._symbols[number])
+        return self._what[number]
+
+    def _need_of(self, symbol: ir.Symbol) -> str | None:
+        """The same for its symbol."""
         ops = {each.op for each in symbol.meaning or ()}
         if ops & {"path_open", "path_close"}:
             return "a path of the turtle"

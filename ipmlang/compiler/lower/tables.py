@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from ipmlang.compiler import ast, ir
 from ipmlang.compiler.lower.expr import Code, Known, Pool
 from ipmlang.compiler.lower.names import Place
-from ipmlang.compiler.places import SHAPE, choices, only, without_shapes
+from ipmlang.compiler.places import SHAPE, by_shape, choices, without_shapes
 
 Cell = float | str
 
@@ -23,6 +23,7 @@ class Tables:
         self._pool = pool
         self._numbers: dict[tuple[int, int], int] = {}
         self._placed: dict[tuple[int, int, str], int] = {}
+        self._parted: dict[tuple[int, int], dict[str, ast.Table]] = {}
         self.data: list[ir.TableData] = []
 
     def number(self, place: Place) -> int:
@@ -38,9 +39,12 @@ class Tables:
         """The number of the rows of a table that place a symbol."""
         key = (id(place.unit), place.item, shape)
         if key not in self._placed:
-            item = place.unit.grammar.items[place.item]
-            assert isinstance(item, ast.Table)
-            self._placed[key] = self._add(self._table(place, only(item, shape)))
+            parted = self._parted.get(key[:2])
+            if parted is None:
+                item = place.unit.grammar.items[place.item]
+                assert isinstance(item, ast.Table)
+                parted = self._parted[key[:2]] = by_shape(item)
+            self._placed[key] = self._add(self._table(place, parted[shape]))
         return self._placed[key]
 
     def choices(self, place: Place) -> int:

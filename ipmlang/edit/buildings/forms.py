@@ -191,9 +191,8 @@ class Forms:
         """Whether the axes of a unit are those of a frame, in whatever order and direction; or some
         of the frame's axes are among those of the unit.
         """
-        turned = linear(compose(inverse(base), self.frame(unit)))[0]
-        turned = turned / np.cbrt(abs(np.linalg.det(turned)))
-        return bool(np.abs(np.abs(turned[list(along)]).max(axis=1) - 1).max(initial=0) <= SQUARE)
+        turned = _turn_between(base, self.frame(unit))
+        return all(abs(max(map(abs, turned[k])) - 1) <= SQUARE for k in along)
 
     def _label(self, name: str) -> str:
         if name not in self._labels:
@@ -386,6 +385,21 @@ class Forms:
             name, number = f"{wish}_{number}", number + 1
         self._taken.add(name)
         return name
+
+
+def _turn_between(base: Frames, frame: Frames) -> list[tuple[float, float, float]]:
+    """The rows of the matrix that turns the axes of one frame to those of another, up to signs
+    where either is mirrored.
+    """
+    a, b, c, d = base.rotation[0].tolist()
+    e, f, g, h = frame.rotation[0].tolist()
+    w, x = a * e + b * f + c * g + d * h, a * f - b * e - c * h + d * g
+    y, z = a * g + b * h - c * e - d * f, a * h - b * g + c * f - d * e
+    return [
+        (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
+        (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
+        (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
+    ]
 
 
 def _share(value: float, whole: float, extent: ast.Expr) -> ast.Expr:

@@ -53,8 +53,7 @@ def parted(before: Tree, after: Tree, near: float) -> set[str]:
     """
     if _kinds(before) != _kinds(after):
         return set()
-    low, high = before.boxes(np.eye(3))
-    pairs = neighbours(low, high, near)
+    pairs = before.neighbours(near)
     low, high = after.boxes(np.eye(3))
     far = max(near, NEAR * float(np.linalg.norm(high.max(axis=0) - low.min(axis=0))))
     broken = pairs[gaps(low, high, pairs) > 2 * far]
@@ -67,10 +66,9 @@ def _kinds(tree: Tree) -> list[str]:
 
 def _touched(tree: Tree, near: float) -> dict[str, list[set[str]]]:
     """For each label, the labels that each of its terminals touches."""
-    low, high = tree.boxes(np.eye(3))
     labels = _kinds(tree)
     found: list[set[str]] = [set() for _ in labels]
-    for i, j in neighbours(low, high, near).tolist():
+    for i, j in tree.neighbours(near).tolist():
         found[i].add(labels[j])
         found[j].add(labels[i])
     gathered: dict[str, list[set[str]]] = {}

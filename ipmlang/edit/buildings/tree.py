@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ipmlang.compiler import ast, compile_file, compile_loaded, ir
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail, nearest
 from ipmlang.compiler.load import load_text
+from ipmlang.edit.buildings.contacts import neighbours
 from ipmlang.edit.draft import Draft, Drawn
 from ipmlang.edit.saving import about, staged
 from ipmlang.inverse.frames import Floats, Frames, Integers, corners, inverse, linear
@@ -137,10 +138,39 @@ class Tree:
         return found
 
     def boxes(self, axes: Floats) -> tuple[Floats, Floats]:
-        """(m, 3) low and high corners of all terminals along axes, rows of (3, 3)."""
+        """(m, 3) low and high corners of all terminals along axes, rows of (3, 3); nobody may
+        write to them.
+        """
+        key = axes.tobytes()
+        if key not in self._boxes:
+            points = self._corners @ axes.T
+            found = points.min(axis=1), points.max(axis=1)
+            for each in found:
+                each.flags.writeable = False
+            self._boxes[key] = found
+        return self._boxes[key]
+
+    @cached_property
+    def _boxes(self) -> dict[bytes, tuple[Floats, Floats]]:
+        """What `boxes` has been asked for."""
+        return {}
+
+    @cached_property
+    def _corners(self) -> Floats:
+        """(m, 8, 3) the corners of the boxes of all terminals."""
         one = self.terminals
-        points = corners(one.frames, one.low, one.high) @ axes.T
-        return points.min(axis=1), points.max(axis=1)
+        return corners(one.frames, one.low, one.high)
+
+    def neighbours(self, near: float) -> Integers:
+        """(k, 2) the pairs of terminals whose boxes share a point within `near`."""
+        if near not in self._neighbours:
+            self._neighbours[near] = neighbours(*self.boxes(np.eye(3)), near)
+        return self._neighbours[near]
+
+    @cached_property
+    def _neighbours(self) -> dict[float, Integers]:
+        """What `neighbours` has been asked for."""
+        return {}
 
     def unions(self, low: Floats, high: Floats) -> tuple[Floats, Floats]:
         """(n, 3) the boxes around what each shape draws; (m, 3) are those of terminals. Empty ones
@@ -160,9 +190,7 @@ class Tree:
 
     def box_of(self, rows: Sequence[int], base: Frames) -> tuple[Floats, Floats]:
         """(3,) the corners of terminals in the coordinates of a frame."""
-        chosen = np.array(rows, np.int64)
-        one = self.terminals
-        points = corners(one.frames[chosen], one.low[chosen], one.high[chosen]).reshape(-1, 3)
+        points = self._corners[np.array(rows, np.int64)].reshape(-1, 3)
         back = inverse(base)
         local = points @ linear(back)[0].T + back.position[0]
         return local.min(axis=0), local.max(axis=0)
