@@ -7,14 +7,14 @@ every digit, and one placement per element. Nothing is written to where the user
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import IpmError, fail
 from ipmlang.compiler.format import format_grammar
 from ipmlang.formats.drawing import Drawing
-from ipmlang.inverse.boards import with_boards
+from ipmlang.inverse.boards import Block, with_boards, with_figures
 from ipmlang.inverse.coats import merged_styles
 from ipmlang.inverse.compare import Comparison
 from ipmlang.inverse.curves import with_curves
@@ -33,7 +33,7 @@ from ipmlang.inverse.prove import prove
 from ipmlang.inverse.recursive_file import TOLERANCE, write_recursion
 from ipmlang.inverse.report import Report, RuleError
 from ipmlang.inverse.simplify import AXIOM, Book, make_book
-from ipmlang.inverse.terminals import grouped
+from ipmlang.inverse.terminals import grouped, with_stretched_lines
 from ipmlang.inverse.tolerances import relaxed, seen
 from ipmlang.inverse.ways import (
     MOST_SCATTERED,
@@ -53,7 +53,7 @@ TWINS = 3  # symbols placed twice that a group could say
 AS_SHORT = 1.01  # times as many tokens rules with parameters may take that spare fewer tables
 NOISE_TOKENS = 1.5  # times as many tokens a regular grammar with residuals may have
 SHORT = 0.1  # of the flat tokens: a recursion that no other rules will beat
-MOST = 0.9  # of the elements that stand on one board make it all that there is to say
+MOST = 0.9  # of the elements in irregular blocks make these all that there is to say
 FEW = 600  # elements for which a second look costs hardly any time
 
 
@@ -121,9 +121,11 @@ def best_grammar(
     if not flat:
         say("looking for recursion")
         attempts += _recursive(replace(plain, use_tables=True))
-        lines, boards = bool(attempts), [] if attempts else _boards(plain)
-        if len(observed) > FEW and not (options.explain or options.paper):
-            made = _clearly(goal, [*attempts, *boards], flat_tokens)
+        exact = options.mode == "exact" and not (options.paper or attempts)
+        lines, blocks = bool(attempts), _blocks(plain) if exact else []
+        clear = len(observed) > FEW or any(each.final for each in blocks)
+        if clear and not (options.explain or options.paper):
+            made = _clearly(goal, [*attempts, *blocks], flat_tokens)
             if made is not None:
                 return made
         say("looking for rules")
@@ -144,7 +146,7 @@ def best_grammar(
                 folded = [each for each in folded if _beats(each, regular, options.symmetrize)]
                 found, folded = regular, [*folded, *_folded(regular, len(observed))]
         asked = options.paper or options.symmetrize
-        attempts += [*(() if asked else boards), *folded, *_written_out(found, len(observed))]
+        attempts += blocks + folded + _written_out(found, len(observed))
         if not (_bends_order(found.book) or asked):
             # Few rules among many loose placements may cost more than they save: tables say less.
             tabled = write_grammar(flat_book, replace(plain, use_tables=True))
@@ -260,25 +262,39 @@ def _recursive(subject: Subject) -> list[Attempt]:
     return [Attempt("recursion", lambda: written, counts, written.tokens, -found.numbers)]
 
 
-def _boards(plain: Subject) -> list[Attempt]:
-    """The file with things of all sizes on grids, if there are such."""
-    alone, elements = plain.instanced, len(plain.observed)
+def _blocks(plain: Subject) -> list[Attempt]:
+    """The files with things of all sizes on grids, and with figures of all lengths, if there are
+    such.
+    """
+    alone, observed = plain.instanced, plain.observed
     book = make_book(alone.alphabet, alone.string)
     bound = merged_styles(book, alone.terminals)
-    found = with_boards(book, alone.terminals, set(bound), plain.observed.diagonal)
-    if not found:
-        return []
-    book.boards = {each.raster.start: each for each in found}
-    written = write_grammar(book, replace(plain, use_tables=True))
-    counts = _gridded(Counts(0, 0, 0.0), written, elements)
-    final = any(each.irregular and len(each.part) > MOST * elements for each in found)
+    boards = with_boards(book, alone.terminals, set(bound), observed.diagonal)
+    made = [_of_blocks("boards", book, boards, plain)] if boards else []
+    stretched = with_stretched_lines(observed)
+    if stretched is None:
+        return made
+    lines = replace(plain, instanced=grouped(observed, stretched, shared=False))
+    book = make_book(lines.instanced.alphabet, lines.instanced.string)
+    figures = with_figures(book, stretched.terminals, observed.diagonal)
+    return [*made, _of_blocks("figures", book, figures, lines)] if figures else made
+
+
+def _of_blocks(name: str, book: Book, blocks: Sequence[Block], subject: Subject) -> Attempt:
+    """The file of a book with blocks; final: where one is most of the drawing and no rule's."""
+    elements = len(subject.observed)
+    book.boards = {each.start: each for each in blocks}
+    written = write_grammar(book, replace(subject, use_tables=True))
+    explained = min(1.0, written.gridded[1] / max(1, elements))
+    uneven = sum(each.stop - each.start for each in blocks if each.irregular)
     more = written.spared + ROW * written.rows
-    return [Attempt("boards", lambda: written, counts, written.tokens, more, final)]
+    counts = Counts(len(blocks), len(blocks), explained)
+    return Attempt(name, lambda: written, counts, written.tokens, more, uneven > MOST * elements)
 
 
 def _clearly(goal: Goal, attempts: list[Attempt], flat_tokens: int) -> Made | None:
-    """A recursion so short, or a board so irregular, that no other rules need to be looked for, if
-    it is right.
+    """A recursion so short, or blocks so irregular, that no other rules need to be looked for, if
+    they are right.
     """
     most = SHORT * flat_tokens
     short = [each for each in attempts if each.final or each.tokens <= most + SHORT * each.spared]

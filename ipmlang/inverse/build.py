@@ -14,8 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from ipmlang.compiler import ast
-from ipmlang.inverse.boards import Printed as PrintedBoard
-from ipmlang.inverse.boards import printed as printed_board
+from ipmlang.inverse.boards import Printed, printed_block
 from ipmlang.inverse.lattices.formula import Formula
 from ipmlang.inverse.lattices.printing import PLAIN, Handles, printed, whole
 from ipmlang.inverse.lsystem.frames import Frames, Row
@@ -62,7 +61,7 @@ class Builder:
 
     attributes: list[ast.Attr] = field(default_factory=list)
     tables: list[ast.Table] = field(default_factory=list)
-    boards: list[PrintedBoard] = field(default_factory=list)
+    boards: list[Printed] = field(default_factory=list)
     _inlined: set[int] = field(default_factory=set)
     _nested: set[int] = field(default_factory=set)
     _counts: dict[int, str] = field(default_factory=dict)
@@ -184,7 +183,7 @@ class Builder:
         while start < len(parts):
             if rule == AXIOM and start in self.book.boards:
                 yield self._board(start)
-                start = self.book.boards[start].raster.stop
+                start = self.book.boards[start].stop
                 continue
             taper = taper_at(self.book, body, start, 30 * self.book.small)
             if taper is not None:
@@ -205,7 +204,8 @@ class Builder:
             start = end
 
     def _board(self, start: int) -> ast.Element:
-        self.boards.append(printed_board(self.book.boards[start], self.names, self.given))
+        block, error = self.book.boards[start], self.reach.error
+        self.boards.append(printed_block(block, self.names, self.given, error, self.boards))
         return self.boards[-1].loop
 
     def _tapered(self, rule: int, parts: list[int], taper: Taper) -> ast.Element:

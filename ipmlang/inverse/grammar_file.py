@@ -202,7 +202,7 @@ def write_grammar(book: Book, subject: Subject) -> Written:
     often = np.bincount(subject.instanced.string.symbol, minlength=len(terminals))
     uses = {named[k]: int(often[k]) for k in assets}
     left = sum(tokens for name, tokens in spared.items() if name not in grids.names)
-    on_boards = sum(len(each.part) for each in book.boards.values())
+    on_boards = sum(each.stop - each.start for each in book.boards.values())
     gridded = frozenset({*grids.names, *(each.name for each in boards)}), grids.cells + on_boards
     return Written(ast.Grammar(tuple(items)), parts, *cells, left, folded, gridded, shown, uses)
 

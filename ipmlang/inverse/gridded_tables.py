@@ -91,7 +91,7 @@ def _element(
         case ast.Repeat(
             ast.Rows(row, name),
             (ast.Bracket((ast.Module("at", (x, y, *more)), *rest)),),
-        ) if used[name] == 1:
+        ) if used[name] == 1 and name in tables:
             table = tables[name]
             places = _places(table, row, (x.value, y.value))
             grid = None if places is None else grid_of(places, error)

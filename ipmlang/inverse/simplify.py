@@ -31,7 +31,7 @@ from ipmlang.inverse.recursion.branching import Branching
 from ipmlang.inverse.score import COUNTED, HEAD, placement_tokens
 
 if TYPE_CHECKING:
-    from ipmlang.inverse.boards import Board
+    from ipmlang.inverse.boards import Block
 
 AXIOM = -1
 LEAST = 6  # tokens that a group must save to be worth a name
@@ -70,8 +70,8 @@ class Book:
     in its asset, the identity where none is given; effects: the class of the effect that wraps a
     group's body; anchored: symbols whose frame is bound, by an effect or a structure; scattered: by
     rank, the ranks of all elements of a row of the axiom that are not painted one after the other;
-    shift: by rank, how far elements are from where rules have them, x + iy; boards: by their first
-    row of the axiom.
+    shift: by rank, how far elements are from where rules have them, x + iy; boards: what stands for
+    many rows of the axiom, by the first of them.
     """
 
     bodies: dict[int, Body]
@@ -89,7 +89,7 @@ class Book:
     anchored: set[int] = field(default_factory=set)
     scattered: dict[int, Integers] = field(default_factory=dict)
     shift: dict[int, complex] = field(default_factory=dict)
-    boards: dict[int, Board] = field(default_factory=dict)
+    boards: dict[int, Block] = field(default_factory=dict)
 
     def uses(self) -> Counter[int]:
         """How often each rule or terminal is named (sequences by family)."""

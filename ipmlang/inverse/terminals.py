@@ -86,6 +86,15 @@ def instances(observed: Observation) -> list[Instanced]:
     return ways
 
 
+def with_stretched_lines(observed: Observation) -> Instanced | None:
+    """The drawing with all lines of a style as one, stretched; None where all have one length."""
+    several = [numbers for numbers in _line_classes(observed) if len(numbers) > 1]
+    if not several:
+        return None
+    plain = [replace(style, effects=()) for style in observed.styles]
+    return _instance(observed, plain, _upright(observed), {}, several)
+
+
 def _instance(
     observed: Observation,
     plain: Sequence[Style],

@@ -92,3 +92,51 @@ def test_the_halftone_is_one_board() -> None:
     assert report.tokens < 2900
     assert report.explained == 1.0
     assert report.max_error <= 1e-6
+
+
+Point = tuple[float, float]
+
+
+def _box(random: np.random.Generator, hidden: bool) -> str:
+    """A box from its front corner, seen from above; the lines behind it are dashed."""
+    x, y, wide, high, deep = random.uniform((20, 20, 5, 5, 5), (380, 280, 40, 20, 30))
+    axes = np.array([[wide * 0.86, -wide * 0.5], [-deep * 0.7, -deep * 0.5], [0.0, -high]])
+
+    def corner(*which: int) -> Point:
+        at = np.array([x, y]) + axes[list(which)].sum(axis=0)
+        return round(float(at[0]), 5), round(float(at[1]), 5)
+
+    seen = [((), (2,)), ((), (0,)), ((), (1,)), ((0,), (0, 2)), ((2,), (0, 2)), ((2,), (1, 2))]
+    seen += [((1,), (1, 2)), ((1, 2), (0, 1, 2)), ((0, 2), (0, 1, 2))]
+    behind = [((0,), (0, 1)), ((1,), (0, 1)), ((0, 1), (0, 1, 2))]
+    lines = behind if hidden else seen
+    dashes = ' stroke-dasharray="1 2"' if hidden else ""
+    ends = [(*corner(*one), *corner(*other)) for one, other in lines]
+    return "".join(
+        f'<line x1="{a}" y1="{b}" x2="{c}" y2="{d}" stroke="#000"{dashes}/>' for a, b, c, d in ends
+    )
+
+
+def test_boxes_of_all_sizes_are_one_rule_of_three_lengths(tmp_path: Path) -> None:
+    path = tmp_path / "boxes.svg"
+    drawn = []
+    for hidden in (False, True):
+        random = np.random.default_rng(7)
+        drawn += [_box(random, hidden) for _ in range(40)]
+    page = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 400 300">'
+    path.write_text(f"{page}{''.join(drawn)}</svg>", encoding="utf-8")
+    found = infer(path)
+    assert "Figure(a, b, c)" in found.text
+    assert found.report.explained == 1.0
+    assert found.report.tokens < 40 * 6 + 280, found.text
+    assert found.report.max_error <= 1e-6
+
+
+BOXES = HALFTONE.with_name("cad_packed_boxes.svg")
+
+
+@pytest.mark.skipif(not BOXES.is_file(), reason="the shared drawings are not there")
+def test_packed_boxes_are_one_rule_of_three_lengths() -> None:
+    report = infer(BOXES).report
+    assert report.tokens < 600
+    assert report.explained == 1.0

@@ -1,10 +1,13 @@
-"""Boards: things of any size on the nodes of a grid, painted line by line.
+"""Boards and figures: what a person would say in a formula and a table.
 
-Takes the axiom of a drawing; gives what stands on grids as formulas of the node and a number for
-each thing. Nothing here looks at groups or at things that are painted in another order.
+Takes the axiom of a drawing; gives things of any size on the nodes of a grid, painted line by line,
+as a number for each, and figures of lines that differ in lengths alone as these lengths. Nothing
+here looks at groups or at things that are painted in another order.
 """
 
 from ipmlang.inverse.boards.board import Board, with_boards
-from ipmlang.inverse.boards.printing import Printed, printed
+from ipmlang.inverse.boards.board_printing import Printed
+from ipmlang.inverse.boards.figures import Figures, with_figures
+from ipmlang.inverse.boards.printing import Block, printed_block
 
-__all__ = ["Board", "Printed", "printed", "with_boards"]
+__all__ = ["Block", "Board", "Figures", "Printed", "printed_block", "with_boards", "with_figures"]

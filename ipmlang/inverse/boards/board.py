@@ -60,6 +60,16 @@ class Board:
     codes: dict[int | None, float]
 
     @property
+    def start(self) -> int:
+        """The first row of the axiom that stands on it."""
+        return self.raster.start
+
+    @property
+    def stop(self) -> int:
+        """The row after the last one."""
+        return self.raster.stop
+
+    @property
     def nodes(self) -> Integers:
         """(n,) node of each thing, from 0."""
         return np.asarray(self.raster.node - self.raster.node[0])
