@@ -50,7 +50,8 @@ def rule_rows(program: Program) -> list[RuleRow]:
             continue
         why = _STARTS if start and not threads else _THREADS if threads and found else ""
         rows.append(_row(program, name, production, "", why))
-    return rows
+    # A rule that takes symbols is a symbol of its own for each of them, and one rule to a person.
+    return list({tuple(row.values()): row for row in rows}.values())
 
 
 def rule_lines(rows: Sequence[RuleRow]) -> list[str]:

@@ -13,6 +13,7 @@ from ipmlang.compiler.format import format_grammar
 from ipmlang.compiler.ir import Program
 from ipmlang.compiler.load import load_text
 from ipmlang.compiler.verify import verify
+from ipmlang.rule_table import rule_rows
 from ipmlang.runtime import derive
 from ipmlang.runtime.scene import Scene
 from tests.random_grammars import FOLDER
@@ -172,6 +173,11 @@ def test_many_symbols_that_are_swapped_are_refused() -> None:
     with pytest.raises(IpmError) as error:
         program(text)
     assert error.value.diagnostics[0].code == "too-many-symbols"
+
+
+def test_a_rule_is_one_rule_however_many_symbols_it_is_given() -> None:
+    rows = rule_rows(program(LEAVES + ROW + "start Row(Leaf, 4) [Row(Bud, 2)] Row(star, 1)"))
+    assert [row["rule"] for row in rows].count("Row") == 2  # its two alternatives
 
 
 def test_it_is_written_as_it_is_read() -> None:
