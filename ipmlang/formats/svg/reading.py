@@ -28,6 +28,10 @@ from ipmlang.formats.svg.xml import Document, Node, read_document
 _DEFAULT_SIZE = (300.0, 150.0)
 """What browsers give a drawing that has neither size nor viewBox."""
 _CONTAINERS = frozenset({"symbol", "svg", "marker", "pattern", "clipPath", "mask", "defs"})
+_LOST = Outline(
+    np.zeros(0, np.uint8), np.zeros((0, 4, 2)), np.zeros(1, np.int32), np.zeros(0, np.bool_)
+)
+"""Stands for an outline whose coordinates cannot be used."""
 _BATCH = 500_000
 _FARTHEST = 1e100
 """Coordinates beyond this are as good as infinite: their squares and roundings overflow."""
@@ -46,7 +50,7 @@ def read_svg(source: Path | str | bytes, *, limits: Limits | None = None) -> Dra
     ('#ff0000', [4.5, 0.0])
     """
     opened = _open(source, limits or Limits())
-    return _drawing(opened, opened.document.root)
+    return _drawings(opened, [opened.document.root])[0]
 
 
 def read_node(path: Path | str, node_id: str, *, limits: Limits | None = None) -> Drawing:
@@ -63,14 +67,14 @@ def read_nodes(
 ) -> dict[str, Drawing]:
     """The same for many elements of one file, which is taken apart once."""
     opened = _open(path, limits or Limits())
-    found = {}
+    nodes = {}
     for node_id in node_ids:
         node = opened.document.by_id.get(node_id)
         if node is None:
             where = "the file" if isinstance(path, bytes) else path
             raise FormatError(f"no element in {where} has the id `{node_id}`", hint=_known(opened))
-        found[node_id] = _drawing(opened, node)
-    return found
+        nodes[node_id] = node
+    return dict(zip(nodes, _drawings(opened, list(nodes.values())), strict=True))
 
 
 def svg_ids(path: Path | str, *, limits: Limits | None = None) -> set[str]:
@@ -99,10 +103,24 @@ def _open(source: Path | str | bytes, limits: Limits) -> Source:
     return Source(document, cascade, limits, notes, frozenset(left_out), blends)
 
 
-def _drawing(source: Source, node: Node) -> Drawing:
-    """The drawing of `node`: of the whole file if it is the root."""
+def _drawings(source: Source, nodes: Sequence[Node]) -> list[Drawing]:
+    """The drawing of each node: of the whole file if it is the root."""
     document, root = source.document, source.document.root
     box, viewport = _root_box(document)
+    width, height = (root.attributes.get(name) for name in ("width", "height"))
+    walked = [_walked(source, node, viewport) for node in nodes]
+    moved = iter(_moved(source, [one for found in walked for one in found]))
+    made = []
+    for found in walked:
+        elements, effects = _settled(found, [next(moved) for _ in found])
+        notes = source.notes.listed()
+        made.append(Drawing(elements, box, width, height, effects, notes, document.source_bytes))
+    return made
+
+
+def _walked(source: Source, node: Node, viewport: tuple[float, float]) -> Sequence[Placed]:
+    """What a node draws, in its own space."""
+    root = source.document.root
     walk = Walk(source, count_elements(source, node))
     if node is root or node.name in _CONTAINERS:
         style = source.cascade.in_document(node)
@@ -114,11 +132,7 @@ def _drawing(source: Source, node: Node) -> Drawing:
     else:
         above = node.parent or root
         walk.run([(node, Context(source.cascade.in_document(above), viewport))])
-    elements, effects = _placed(source, walk.placed)
-    width, height = (root.attributes.get(name) for name in ("width", "height"))
-    return Drawing(
-        elements, box, width, height, effects, source.notes.listed(), document.source_bytes
-    )
+    return walk.placed
 
 
 def _note_root(source: Source, style: Computed) -> None:
@@ -154,25 +168,28 @@ def _root_size(root: Node, name: str) -> float | None:
     return None if "%" in text else length(text)
 
 
-def _placed(
-    source: Source, found: Sequence[Placed]
-) -> tuple[tuple[DrawnElement, ...], dict[str, Effect]]:
-    """The elements in the world, those without usable coordinates left out."""
+def _moved(source: Source, found: Sequence[Placed]) -> list[Outline | None]:
+    """The outlines in the world, None for what has none; _LOST where no coordinate is usable."""
     outlines: list[Outline | None] = [None] * len(found)
-    kept: list[bool] = [True] * len(found)
     shapes = [index for index, one in enumerate(found) if one.outline is not None]
     for first, last in _batches([_segments(found[index]) for index in shapes]):
         batch = shapes[first:last]
         moved, finite = _placed_batch([found[index] for index in batch])
         for index, outline, is_finite in zip(batch, moved, finite, strict=True):
-            outlines[index] = outline
-            kept[index] = is_finite
+            outlines[index] = outline if is_finite else _LOST
             if not is_finite:
                 line = found[index].line
                 source.notes.add("not-finite", "coordinates without a usable value: left out", line)
-    if not all(kept):
-        found = [one for one, keep in zip(found, kept, strict=True) if keep]
-        outlines = [one for one, keep in zip(outlines, kept, strict=True) if keep]
+    return outlines
+
+
+def _settled(
+    found: Sequence[Placed], outlines: Sequence[Outline | None]
+) -> tuple[tuple[DrawnElement, ...], dict[str, Effect]]:
+    """The elements with their styles, those without usable coordinates left out."""
+    kept = [index for index, outline in enumerate(outlines) if outline is not _LOST]
+    if len(kept) < len(found):
+        found, outlines = [found[index] for index in kept], [outlines[index] for index in kept]
     styles, effects = settle(found, outlines)
     elements = (
         DrawnElement(outline, style, one.fragment, one.source)
