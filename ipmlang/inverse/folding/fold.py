@@ -71,7 +71,8 @@ def fold(rules: Sequence[ast.Rule], error: float, taken: Set[str]) -> Folded:
         best = max(best, made, key=_spared)
     found.sort(key=lambda each: -each[0])
     for spared, book in found[:NAMED]:
-        if spared >= found[0][0] - NEAR * before:
+        near = spared >= found[0][0] - NEAR * before
+        if near and any(each.given.count for _, each in _best(book, given, known, (FORM,))):
             best = max(best, folded(book, (KIND, FORM)), key=_spared)
     return best
 
