@@ -20,7 +20,8 @@ from ipmlang.inverse.lsystem.frames import Complexes, Floats
 
 QUARTERS = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
 ALONG = 32  # points of a segment whose distance from the other curve is measured
-REFINED_AT_MOST = 500  # pairs that correspond but differ, for which a lower distance is sought
+REFINED_AT_MOST = 500  # pairs that correspond but differ, for which a lower distance is sought,
+SEGMENTS_AT_MOST = 50_000  # or more of them while they have no more segments than this
 
 
 def pair_distances(a: Curves, b: Curves, fixed: Booleans, unit: float, near: float = 0.0) -> Floats:
@@ -121,7 +122,8 @@ def _improve_dense(
     rows = np.flatnonzero(drawn & (result > 5e-7 * unit))
     rows = rows[_overlapping(a, b, rows, near)]
     apart, strange = rows[alike[rows]], rows[~alike[rows]]
-    for row in np.concatenate([strange, apart[:REFINED_AT_MOST]]).tolist():
+    small = int(np.searchsorted(np.cumsum(a.counts[apart]), SEGMENTS_AT_MOST))
+    for row in np.concatenate([strange, apart[: max(REFINED_AT_MOST, small)]]).tolist():
         left, right = _segments(a, row), _segments(b, row)
         off = max(_one_way(left, right), _one_way(right, left))
         if fixed[row]:
