@@ -33,6 +33,7 @@ from ipmlang.inverse.prove import prove
 from ipmlang.inverse.recursive_file import TOLERANCE, write_recursion
 from ipmlang.inverse.report import Report, RuleError
 from ipmlang.inverse.simplify import AXIOM, Book, make_book
+from ipmlang.inverse.stretches import MOST_OTHERS
 from ipmlang.inverse.terminals import grouped, with_stretched_lines
 from ipmlang.inverse.tolerances import relaxed, seen
 from ipmlang.inverse.ways import (
@@ -329,7 +330,8 @@ def _first_right(
             explained = None if found is None else _explanation(goal, found, attempts, attempt)
             made = Made(written.grammar, parts, report, explained)
             only_flat = found is None and attempt.name == "flat"
-            return made if only_flat else _curved(goal, written, made)
+            tried = not any(each.name == "recursion" for each in attempts)
+            return made if only_flat else _curved(goal, written, made, tried)
         wrong = comparison
     assert wrong is not None
     raise fail(
@@ -340,9 +342,12 @@ def _first_right(
     )
 
 
-def _curved(goal: Goal, written: Written, made: Made) -> Made:
-    """With rules for the assets that turtles drew, where these give the drawing back."""
-    curved = with_curves(written, TOLERANCE * goal.observed.diagonal)
+def _curved(goal: Goal, written: Written, made: Made, tried: bool) -> Made:
+    """With rules for the assets that turtles drew, where these give the drawing back. tried: no
+    recursion was found, so that in a small drawing there is none for what stands there once.
+    """
+    tried = tried and len(goal.observed) <= MOST_OTHERS
+    curved = with_curves(written, TOLERANCE * goal.observed.diagonal, tried)
     if curved is None:
         return made
     limit = goal.given.proof

@@ -54,13 +54,19 @@ class _Curve:
     on_page: bool
 
 
-def with_curves(written: Written, tolerance: float) -> Curved | None:
-    """The grammar with its curves as rules, None where it has none. tolerance: units."""
+def with_curves(written: Written, tolerance: float, tried: bool) -> Curved | None:
+    """The grammar with its curves as rules, None where it has none. tolerance: units; tried: what
+    is drawn once is known to have none.
+    """
     named = [each for each in written.grammar.items if isinstance(each, ast.Asset)]
     if not 0 < sum(len(each.names) for each in named) <= MOST_ASSETS:
         return None
     on_page = any(isinstance(each, ast.Canvas) for each in written.grammar.items)
-    found = [_curve(name, each, tolerance, on_page) for name, each in written.assets().items()]
+    found = [
+        _curve(name, each, tolerance, on_page)
+        for name, each in written.assets().items()
+        if not tried or written.uses.get(name, 0) != 1
+    ]
     curves = [each for each in found if each is not None]
     angle = _angle(written.grammar, curves)
     taken = _taken(written.grammar)

@@ -24,7 +24,12 @@ MOST = 1_000_000  # lines of outlines that are looked at
 MOST_LENGTHS = 256  # plus a share of the lines: with more there is no rule
 SHARE = 1 / 8
 GRAIN = 1e-4  # of the extent: lengths that differ by less may be one
-MOST_ALONE = 3  # outlines that are looked at by themselves
+MOST_ALONE = 8  # outlines that are looked at by themselves
+MANY = 20_000  # lines, of which it is first asked whether stretches of them recur:
+WINDOW = 16  # joints of a stretch
+COARSE = np.pi / 8  # of a turn
+PRIME = 1_099_511_628_211  # of the hash of a stretch
+DIFFERENT = 0.25  # of all stretches, that may be another each
 Integers = NDArray[np.int64]
 
 
@@ -109,7 +114,26 @@ def is_regular(start: Complexes, end: Complexes) -> bool:
     points = np.concatenate([start, end])
     grain = GRAIN * max(1e-300, abs(complex(np.ptp(points.real), np.ptp(points.imag))))
     lengths = np.unique(np.round(np.abs(end - start) / grain))
-    return len(lengths) <= MOST_LENGTHS + SHARE * len(start)
+    if len(lengths) > MOST_LENGTHS + SHARE * len(start):
+        return False
+    return len(start) < MANY or _recurs(start, end)
+
+
+def _recurs(start: Complexes, end: Complexes) -> bool:
+    """Whether the same few joints follow each other again and again, seen so coarsely that rounded
+    coordinates change nothing.
+    """
+    along = np.where(end == start, 1e-300, end - start)
+    ratio = along[1:] / along[:-1]
+    turn = np.round(np.angle(ratio) / COARSE).astype(np.int64) % round(2 * np.pi / COARSE)
+    size = np.clip(np.round(np.log2(np.abs(ratio))), -4, 4).astype(np.int64) + 4
+    jumps = np.abs(start[1:] - end[:-1]) > 0.1 * np.abs(along[:-1])
+    letters = (turn * 9 + size) * 2 + jumps
+    windows = np.zeros(len(letters) - WINDOW + 1, np.uint64)
+    for place in range(WINDOW):
+        part = letters[place : place + len(windows)].astype(np.uint64)
+        windows = windows * np.uint64(PRIME) + part + np.uint64(1)
+    return len(np.unique(windows)) <= len(windows) * DIFFERENT
 
 
 def _is_plain(style: Style) -> bool:
