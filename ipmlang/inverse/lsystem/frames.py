@@ -175,11 +175,18 @@ def unit(angle: Floats) -> Complexes:
     1j
     """
     turn = np.asarray(angle, np.float64)
+    made = np.empty(turn.shape, np.complex128)
+    # Most things in a drawing stand upright, and one look tells.
+    if not turn.any():
+        made.fill(1.0)
+        return made
     quarter = np.rint(turn / 90.0)
     rest = np.deg2rad(turn - 90.0 * quarter)
-    made = np.empty(rest.shape, np.complex128)
     made.real, made.imag = np.cos(rest), np.sin(rest)
-    made *= QUARTERS[quarter.astype(np.int64) & 3]
+    if quarter.any():
+        made *= QUARTERS[quarter.astype(np.int64) & 3]
+    else:
+        made.imag += 0.0
     return made
 
 
