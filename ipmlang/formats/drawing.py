@@ -104,12 +104,15 @@ class Effect:
 class DrawnElement:
     """One drawn thing: an outline with its style, or a fragment. `source` is the id and class of
     the element and the ids of its groups, outermost first, hints for names: ("forest", "leaf").
+    space: (a, b, c, d) of the map from the numbers that a file gave the outline in, a hint for
+    whoever writes it again; None where these are the drawing's own.
     """
 
     outline: Outline | None
     style: Style
     fragment: Fragment | None = None
     source: tuple[str, ...] = ()
+    space: tuple[float, float, float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)

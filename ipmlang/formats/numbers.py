@@ -37,6 +37,17 @@ def decimal_text(value: float, digits: int = 15) -> str:
     return np.format_float_positional(float(f"{value:.{digits}g}"), trim="-")
 
 
+def without_zero(text: str) -> str:
+    """A decimal text without a zero before its point, as SVG reads it too.
+
+    >>> without_zero("0.5"), without_zero("-0.25"), without_zero("0"), without_zero("10.5")
+    ('.5', '-.25', '0', '10.5')
+    """
+    if text.startswith("0."):
+        return text[1:]
+    return "-" + text[2:] if text.startswith("-0.") else text
+
+
 def decimals_for(extent: float, share: float = 1e-10) -> int:
     """How many decimals keep the rounding below `share` of an extent, 1 to 17.
 

@@ -21,7 +21,6 @@ from ipmlang.compiler.places import SHAPE
 from ipmlang.compiler.tokens import count_text_tokens
 from ipmlang.formats.drawing import DrawnElement, Effect
 from ipmlang.formats.svg import table_xml
-from ipmlang.formats.svg.parts import write_parts
 from ipmlang.inverse.build import Builder, Painted
 from ipmlang.inverse.coats import merged_styles
 from ipmlang.inverse.folding import Folded, fold
@@ -45,6 +44,7 @@ from ipmlang.inverse.schedules import with_schedules
 from ipmlang.inverse.score import DIGITS, INLINE_ROWS
 from ipmlang.inverse.simplify import AXIOM, Book
 from ipmlang.inverse.terminals import Instanced, asset_element
+from ipmlang.inverse.terminals_file import terminals_file
 from ipmlang.inverse.walks import with_walks
 from ipmlang.inverse.wording import arrangement, plain_row
 
@@ -196,8 +196,9 @@ def write_grammar(book: Book, subject: Subject) -> Written:
         return {named[k]: asset_element(terminals[k], book.assets.get(k)) for k in assets}
 
     def parts(but: frozenset[str] = frozenset()) -> str:
-        kept = {name: [each] for name, each in shown().items() if name not in but}
-        return write_parts(kept, effects=shown_effects, tables=stored)
+        kept = {named[k]: (k, book.assets.get(k)) for k in assets if named[k] not in but}
+        diagonal = subject.observed.diagonal
+        return terminals_file(subject.instanced, diagonal, kept, shown_effects, stored)
 
     often = np.bincount(subject.instanced.string.symbol, minlength=len(terminals))
     uses = {named[k]: int(often[k]) for k in assets}

@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 
 from ipmlang.compiler import ast
 from ipmlang.formats.drawing import DrawnElement, Style
-from ipmlang.formats.svg.parts import write_parts
 from ipmlang.inverse.build import Builder
 from ipmlang.inverse.coats import declarations
 from ipmlang.inverse.grammar_file import (
@@ -39,6 +38,7 @@ from ipmlang.inverse.recursion.program import Again, Body
 from ipmlang.inverse.simplify import AXIOM, make_book
 from ipmlang.inverse.stretches import POLYGON, Stretch, stretches
 from ipmlang.inverse.terminals import asset_element
+from ipmlang.inverse.terminals_file import terminals_file
 
 TOLERANCE = 4e-7  # of the diagonal: what the ends of segments may be off
 MOST_DECIMALS = 7  # of coordinates that were rounded
@@ -160,8 +160,8 @@ def _written(subject: Subject, found: Recursion, stretch: Stretch, decimals: int
         return {name: asset_element(terminals[k], None) for k, name in given.named.items()}
 
     def parts(but: frozenset[str] = frozenset()) -> str:
-        kept = {name: [each] for name, each in shown().items() if name not in but}
-        return write_parts(kept, effects={}, tables=stored)
+        kept = {name: (k, None) for k, name in given.named.items() if name not in but}
+        return terminals_file(subject.instanced, observed.diagonal, kept, {}, stored)
 
     return Written(ast.Grammar(tuple(made)), parts, *cells, assets=shown, uses=given.uses)
 

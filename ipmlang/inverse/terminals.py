@@ -20,6 +20,7 @@ from ipmlang.formats.drawing import (
     PaintServer,
     Style,
 )
+from ipmlang.formats.svg.attributes import Linear
 from ipmlang.formats.svg.transforms import inverse, multiply
 from ipmlang.inverse.effects import EffectClass, drawn_matrix, effect_classes
 from ipmlang.inverse.lsystem.curves import flipped, moved
@@ -42,7 +43,8 @@ SHARE = 3e-7  # of the diagonal: how far an expansion may be from what was obser
 @dataclass(frozen=True, slots=True, eq=False)
 class Terminal:
     """What an asset shows: a shape class in a style, or a fragment about its own origin (y down).
-    row: the first element drawn by it; base: how the representative lies in the asset.
+    row: the first element drawn by it; base: how the representative lies in the asset; space: the
+    linear part of the map by which the file drew that element, as seen from the asset (y down).
     """
 
     row: int
@@ -50,6 +52,7 @@ class Terminal:
     style: Style
     fragment: Fragment | None
     base: Frames
+    space: Linear | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -123,7 +126,7 @@ def _instance(
             # A space of its own shows a wrong turn as far as the drawing reaches.
             radius = max(radius, observed.diagonal) if bound else radius
             known[key] = alphabet.add_terminal(symmetry, radius)
-            terminals.append(made)
+            terminals.append(replace(made, space=_space(observed, row, placed)))
         numbers[row] = known[key]
     every = np.arange(len(observed))
     string = Arrangement(numbers, placed, every, np.zeros(len(observed), np.int64))
@@ -247,6 +250,24 @@ def _terminal(
     base = _about_zero(compose(undo(place), observed.frames[row : row + 1]))
     key = float(base.angle[0]), float(base.scale[0]), int(base.handedness[0])
     return (shape, local, key), Terminal(row, known, local, None, base)
+
+
+def _space(observed: Observation, row: int, placed: Frames) -> Linear | None:
+    """The linear part of the map from the file's numbers for an element to its asset's."""
+    linear = observed.drawing.elements[row].space
+    return None if linear is None else _seen_from(placed[row : row + 1], linear)
+
+
+def _seen_from(place: Frames, linear: Linear) -> Linear:
+    back = inverse(drawn_matrix(_about_zero(place), 0.0))
+    return multiply(back, (*linear, 0.0, 0.0))[:4]
+
+
+def asset_space(terminal: Terminal, place: Frames | None) -> Linear | None:
+    """The space of a terminal's numbers, see `Terminal`, where its asset lies at a place."""
+    if terminal.space is None or place is None:
+        return terminal.space
+    return multiply(drawn_matrix(_about_zero(place), 0.0), (*terminal.space, 0.0, 0.0))[:4]
 
 
 def _about_zero(place: Frames) -> Frames:

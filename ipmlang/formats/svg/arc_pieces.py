@@ -38,11 +38,13 @@ class Pieces:
 
 def extra_decimals(arcs: Floats) -> int:
     """How many decimals more than usual arcs (n, 4, 2) need to keep their centres."""
-    return _FINER if (_growth(np.abs(arcs[:, 3, 1])) > _SLACK).any() else 0
+    return _FINER if (growth(np.abs(arcs[:, 3, 1])) > _SLACK).any() else 0
 
 
-def arc_pieces(arcs: Floats, segment: Integers, unit: float) -> Pieces:
-    """Commands for arcs (n, 4, 2) as `Outline.coords` holds them; `unit` is what rounding keeps."""
+def arc_pieces(arcs: Floats, segment: Integers, unit: Floats) -> Pieces:
+    """Commands for arcs (n, 4, 2) as `Outline.coords` holds them; unit: (n,) what rounding
+    keeps.
+    """
     long, short, rotation, positive = ellipse_axes(arcs[:, 1], arcs[:, 2])
     sweep = np.clip(arcs[:, 3, 1], -2 * np.pi, 2 * np.pi)
     turn = np.abs(sweep)
@@ -92,7 +94,7 @@ def ellipse_axes(u: Floats, v: Floats) -> tuple[Floats, Floats, Floats, NDArray[
     return long, short, degrees, middle >= spread
 
 
-def _growth(turn: Floats) -> Floats:
+def growth(turn: Floats) -> Floats:
     """How much a shift of an end shifts the centre; 0 for half and whole turns, which are exact."""
     half, whole = (np.abs(turn - exact) <= _EXACT for exact in (np.pi, 2 * np.pi))
     with np.errstate(divide="ignore"):
@@ -105,7 +107,7 @@ def _arc_count(turn: Floats) -> Floats:
     """Into how many `A` commands an arc is cut: as few as keep the centre well-conditioned."""
     whole = np.abs(turn - 2 * np.pi) <= _EXACT
     cut = np.where(turn > 1.5 * np.pi, 3.0, 2.0)
-    delicate = _growth(turn) > _SLACK * 10.0**_FINER
+    delicate = growth(turn) > _SLACK * 10.0**_FINER
     return np.where(whole, 2.0, np.where(delicate, cut, 1.0))
 
 

@@ -29,6 +29,8 @@ _SIZES = "x y dx dy width height cx cy r rx ry x1 y1 x2 y2 textLength"
 _SIZED = frozenset(_SIZES.split())
 _DEFINED = "clipPath mask pattern marker filter linearGradient radialGradient"
 _DEFINITIONS = frozenset(_DEFINED.split())
+_CONTAINERS = f"g defs svg symbol use switch image feMerge feComponentTransfer {_DEFINED}"
+_TEXTLESS = frozenset(_CONTAINERS.split())
 _OF_FILTERS = frozenset({"color", "color-interpolation-filters"})
 _DEEPEST = 32
 # Viewers differ in the size of text that nobody gave a size, so a size that is given is said.
@@ -173,11 +175,12 @@ class Carrier:
                 own = self._source.cascade.specified(item)
                 attributes = self._attributes(item, own, viewport, definitions)
             written = "".join(f" {name}={quoteattr(value)}" for name, value in attributes.items())
-            tail = escape(item.tail) if item is not node else ""
-            if not item.children and not item.text:
+            tail = _shown_text(item.parent, item.tail) if item is not node else ""
+            text = _shown_text(item, item.text)
+            if not item.children and not text:
                 parts.append(f"<{opening}{written}/>{tail}")
                 continue
-            parts.append(f"<{opening}{written}>{escape(item.text)}")
+            parts.append(f"<{opening}{written}>{text}")
             pending.append(f"</{tag}>{tail}")
             pending.extend(reversed(item.children))
         return "".join(parts)
@@ -224,6 +227,13 @@ class Carrier:
         if matrix == IDENTITY:
             return ""
         return f"matrix({' '.join(map(shown, matrix))})"
+
+
+def _shown_text(holder: Node | None, text: str) -> str:
+    """Text inside an element as XML; blanks between elements that hold no text are no text."""
+    if holder is not None and holder.name in _TEXTLESS and text.isspace():
+        return ""
+    return escape(text)
 
 
 def _kept_space(node: Node) -> dict[str, str]:

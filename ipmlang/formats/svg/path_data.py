@@ -65,7 +65,7 @@ def path_texts(outlines: Sequence[Outline], decimals: int) -> list[str]:
 
 
 @dataclass(slots=True)
-class _Segments:
+class Segments:
     """The segments of a batch of outlines in one table; `first` and `last` of their subpath."""
 
     kind: NDArray[np.uint8]
@@ -82,20 +82,20 @@ def _batch_texts(outlines: list[Outline], decimals: int) -> list[str]:
     filled = [index for index, outline in enumerate(outlines) if len(outline.kind)]
     if not filled:
         return texts
-    segments = _table([outlines[index] for index in filled])
+    segments = segment_table([outlines[index] for index in filled])
     if not np.isfinite(segments.coords).all():
         raise FormatError(
             "the drawing has a coordinate without a value (not a number, or infinite)"
         )
     decimals += extra_decimals(segments.coords[segments.kind == ARC])
-    pieces = _pieces(segments, decimals)
+    pieces = commands(segments, np.full(len(segments.kind), 10.0**-decimals))
     lines = _print(pieces, segments, decimals).split("\n")
     for index, line in zip(filled, lines, strict=False):
         texts[index] = line
     return texts
 
 
-def _table(outlines: list[Outline]) -> _Segments:
+def segment_table(outlines: list[Outline]) -> Segments:
     counts = np.array([len(outline.kind) for outline in outlines])
     kind = np.concatenate([outline.kind for outline in outlines])
     coords = np.concatenate([outline.coords for outline in outlines])
@@ -111,11 +111,13 @@ def _table(outlines: list[Outline]) -> _Segments:
     first[opens], last[ends - 1] = True, True
     subpath = np.cumsum(first) - 1
     outline_index = np.repeat(np.arange(len(outlines)), counts)
-    return _Segments(kind, coords, outline_index, first, last, opens[subpath], closed[subpath])
+    return Segments(kind, coords, outline_index, first, last, opens[subpath], closed[subpath])
 
 
-def _pieces(segments: _Segments, decimals: int) -> Pieces:
-    """One command or more a segment: its code, its numbers, its segment, its start and end."""
+def commands(segments: Segments, unit: NDArray[np.float64]) -> Pieces:
+    """One command or more a segment: its code, its numbers, its segment, its start and end. unit:
+    (n,) what rounding keeps of each segment.
+    """
     kind, coords = segments.kind, segments.coords
     plain = np.flatnonzero(kind != ARC)
     code = kind[plain].astype(np.intp)
@@ -126,7 +128,7 @@ def _pieces(segments: _Segments, decimals: int) -> Pieces:
     arcs = np.flatnonzero(kind == ARC)
     if not len(arcs):
         return straight
-    curved = arc_pieces(coords[arcs], arcs, 10.0**-decimals)
+    curved = arc_pieces(coords[arcs], arcs, unit[arcs])
     owner = np.concatenate([straight.segment, curved.segment])
     order = np.argsort(owner, kind="stable")
     return Pieces(
@@ -138,7 +140,7 @@ def _pieces(segments: _Segments, decimals: int) -> Pieces:
     )
 
 
-def _print(pieces: Pieces, segments: _Segments, decimals: int) -> str:
+def _print(pieces: Pieces, segments: Segments, decimals: int) -> str:
     owner = pieces.segment
     changes = np.flatnonzero(np.diff(owner)) + 1
     heads = np.concatenate([[0], changes])
@@ -160,7 +162,7 @@ def _print(pieces: Pieces, segments: _Segments, decimals: int) -> str:
 def _close(
     code: _Integers,
     pieces: Pieces,
-    segments: _Segments,
+    segments: Segments,
     tails: _Integers,
     heads: _Integers,
     unit: float,

@@ -19,7 +19,7 @@ from ipmlang.formats.svg.context import Context, Placed, Source
 from ipmlang.formats.svg.counting import count_elements
 from ipmlang.formats.svg.effects import settle
 from ipmlang.formats.svg.limits import Limits, Notes
-from ipmlang.formats.svg.transforms import Box
+from ipmlang.formats.svg.transforms import IDENTITY, Box
 from ipmlang.formats.svg.units import length
 from ipmlang.formats.svg.viewports import parse_view_box
 from ipmlang.formats.svg.walk import Walk
@@ -192,10 +192,16 @@ def _settled(
         found, outlines = [found[index] for index in kept], [outlines[index] for index in kept]
     styles, effects = settle(found, outlines)
     elements = (
-        DrawnElement(outline, style, one.fragment, one.source)
+        DrawnElement(outline, style, one.fragment, one.source, _space(one))
         for one, outline, style in zip(found, outlines, styles, strict=True)
     )
     return tuple(elements), effects
+
+
+def _space(one: Placed) -> tuple[float, float, float, float] | None:
+    """The linear part of an element's map; None for that of numbers which are the drawing's."""
+    linear = one.matrix[:4]
+    return None if linear == IDENTITY[:4] or one.fragment is not None else linear
 
 
 def _segments(one: Placed) -> int:

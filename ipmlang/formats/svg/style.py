@@ -75,9 +75,9 @@ class Styles:
         return Style(
             fill=filled[0],
             stroke=stroked[0],
-            stroke_width=_neat(scale * self.stroke_width(site)),
-            dashes=tuple(_neat(scale * dash) for dash in self._dashes(site)),
-            dash_offset=_neat(scale * (self._length(site, "stroke-dashoffset") or 0.0)),
+            stroke_width=neat(scale * self.stroke_width(site)),
+            dashes=tuple(neat(scale * dash) for dash in self._dashes(site)),
+            dash_offset=neat(scale * (self._length(site, "stroke-dashoffset") or 0.0)),
             more=tuple(sorted(more)),
             stroke_matrix=pen,
         )
@@ -122,9 +122,9 @@ def _pen(matrix: Matrix) -> tuple[float, tuple[float, float, float, float] | Non
     upright = abs(a * c + b * d) <= _SIMILAR * size
     if upright and abs(a * a + b * b - c * c - d * d) <= _SIMILAR * size:
         return math.hypot(a, b), None
-    return scale, (_neat(a / scale), _neat(b / scale), _neat(c / scale), _neat(d / scale))
+    return scale, (neat(a / scale), neat(b / scale), neat(c / scale), neat(d / scale))
 
 
-def _neat(value: float) -> float:
+def neat(value: float) -> float:
     """12 significant digits: pens that differ by the rounding of their maps are the same pen."""
     return float(f"{min(value, _WIDEST):.12g}")

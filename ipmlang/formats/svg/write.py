@@ -15,21 +15,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.formats import FormatError
-from ipmlang.formats.drawing import ARC, Drawing, DrawnElement, Outline, Paint, Style
-from ipmlang.formats.numbers import decimal_text, decimals_for, joined
+from ipmlang.formats.drawing import ARC, Drawing, DrawnElement, Outline
+from ipmlang.formats.numbers import decimals_for, joined
+from ipmlang.formats.svg.attributes import attributes_text, in_space, style_attributes
 from ipmlang.formats.svg.definitions import Definitions, matrix_text
 from ipmlang.formats.svg.path_data import path_texts
-from ipmlang.formats.svg.transforms import IDENTITY, Matrix, inverse, is_usable, multiply
+from ipmlang.formats.svg.transforms import IDENTITY, inverse, is_usable
 
 Box = tuple[float, float, float, float]
 
 _MARGIN = 0.02
 _BATCH = 50_000
-_HEAD = (
-    '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"{size}>\n'
-)
-# Properties that SVG knows only in style sheets, not as attributes.
-_CSS_ONLY = frozenset({"mix-blend-mode", "isolation", "transform-box", "white-space"})
+_XLINK = ' xmlns:xlink="http://www.w3.org/1999/xlink"'
+_HEAD = f'<svg xmlns="http://www.w3.org/2000/svg"{_XLINK}{{size}}>\n'
 # Effects that do not depend on the space of their group.
 _SPACELESS = frozenset({"opacity", "mix-blend-mode", "isolation", "style"})
 
@@ -47,14 +45,19 @@ def write_svg(drawing: Drawing) -> str:
     return write_groups(drawing, {})
 
 
-def write_groups(drawing: Drawing, runs: Mapping[str, int], head: str = "") -> str:
+def write_groups(
+    drawing: Drawing,
+    runs: Mapping[str, int],
+    head: str = "",
+    definitions: Definitions | None = None,
+) -> str:
     """The SVG file of a drawing whose first elements form groups with ids: `runs` says how many
-    each. `head` is XML that goes before them (metadata, say).
+    each. `head` is XML that goes before them (metadata, say), `definitions` what that refers to.
     """
     box = drawing.box if drawing.box is not None else fitted_box(drawing.elements)
     if not all(map(math.isfinite, box)):
         raise FormatError("the drawing has a box without a value")
-    definitions = Definitions()
+    definitions = Definitions() if definitions is None else definitions
     tags = _tags(drawing.elements, decimals_for(math.hypot(box[2], box[3])), definitions)
     body: list[str] = []
     start = 0
@@ -64,7 +67,10 @@ def write_groups(drawing: Drawing, runs: Mapping[str, int], head: str = "") -> s
         start += count
     body.append(_grouped(drawing, tags, range(start, len(tags)), definitions))
     opening = _HEAD.format(size=_size(drawing, box))
-    return "".join([opening, definitions.text(), head, *body, "</svg>\n"])
+    text = "".join([definitions.text(), head, *body, "</svg>\n"])
+    if definitions.short and "xlink:" not in text:
+        opening = opening.replace(_XLINK, "")
+    return opening + text
 
 
 def fitted_box(elements: Sequence[DrawnElement]) -> Box:
@@ -120,7 +126,7 @@ def _tags(elements: Sequence[DrawnElement], decimals: int, definitions: Definiti
         style = element.style
         text = styles.get(id(style))
         if text is None:
-            text = styles[id(style)] = _style_text(style, definitions)
+            text = styles[id(style)] = attributes_text(style_attributes(style, definitions))
         tags.append(f"{path}{text}/>" if path else "")
     return tags
 
@@ -138,7 +144,7 @@ def _path_list(elements: Sequence[DrawnElement], decimals: int) -> list[str]:
             continue
         if pen is not None:
             slanted.append(index)
-            inner.append(_unslanted(outline, pen))
+            inner.append(in_space(outline, pen))
             continue
         plain.append(index)
         outlines.append(outline)
@@ -150,58 +156,6 @@ def _path_list(elements: Sequence[DrawnElement], decimals: int) -> list[str]:
 def _place(heads: list[str], indices: list[int], texts: Iterable[str]) -> None:
     for index, text in zip(indices, texts, strict=True):
         heads[index] = f'<path d="{text}"' if text else ""
-
-
-def _unslanted(outline: Outline, pen: tuple[float, float, float, float]) -> Outline:
-    """The outline in the space where the pen is round; the tag's transform leads back."""
-    space = (*pen, 0.0, 0.0)
-    if not is_usable(space):
-        return outline
-    back = inverse(space)
-    coords = outline.coords.copy()
-    linear = np.array([[back[0], back[1]], [back[2], back[3]]])
-    coords[:, :3] = coords[:, :3] @ linear
-    others = outline.kind != ARC
-    coords[others, 3] = coords[others, 3] @ linear
-    return Outline(outline.kind, coords, outline.starts, outline.closed)
-
-
-def _style_text(style: Style, definitions: Definitions) -> str:
-    """The attributes that say what differs from SVG's initial values."""
-    back: Matrix = IDENTITY
-    parts: list[str] = []
-    if style.stroke_matrix is not None:
-        space: Matrix = (*style.stroke_matrix, 0.0, 0.0)
-        if is_usable(space):
-            back = inverse(space)
-            parts.append(f'transform="{matrix_text(space)}"')
-    if style.fill != "#000000":
-        parts.append(f'fill="{_paint_text(style.fill, back, definitions)}"')
-    if style.stroke != "none":
-        parts.append(f'stroke="{_paint_text(style.stroke, back, definitions)}"')
-    if style.stroke_width != 1.0:
-        parts.append(f'stroke-width="{decimal_text(style.stroke_width, 12)}"')
-    if style.dashes:
-        dashes = ",".join(decimal_text(dash, 12) for dash in style.dashes)
-        parts.append(f'stroke-dasharray="{dashes}"')
-    if style.dash_offset:
-        parts.append(f'stroke-dashoffset="{decimal_text(style.dash_offset, 12)}"')
-    declarations: list[str] = []
-    for name, value in style.more:
-        if name in _CSS_ONLY:
-            declarations.append(f"{name}:{value}")
-        else:
-            parts.append(f'{name}="{escape(value)}"')
-    if declarations:
-        parts.append(f'style="{escape(";".join(declarations))}"')
-    return "".join(" " + part for part in parts)
-
-
-def _paint_text(paint: Paint, back: Matrix, definitions: Definitions) -> str:
-    if isinstance(paint, str):
-        return escape(paint)
-    matrix = paint.matrix if back == IDENTITY else multiply(back, paint.matrix)
-    return definitions.paint(paint, matrix)
 
 
 def _grouped(drawing: Drawing, tags: list[str], which: range, definitions: Definitions) -> str:
