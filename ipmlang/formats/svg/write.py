@@ -38,6 +38,7 @@ def write_svg(drawing: Drawing) -> str:
     >>> coords = np.zeros((1, 4, 2))
     >>> coords[0, 1] = 4, 3
     >>> line = Outline(np.ones(1, np.uint8), coords, np.array([0, 1]), np.array([False]))
+    >>> from ipmlang.formats.drawing import Style
     >>> text = write_svg(Drawing((DrawnElement(line, Style(stroke="#ff0000")),), (0, 0, 4, 3)))
     >>> text.splitlines()[1]
     '<path d="M0 0L4 3" stroke="#ff0000"/>'
