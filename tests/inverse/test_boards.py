@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from ipmlang.inverse import Inference, infer
-from ipmlang.inverse.boards.raster import rasters
+from ipmlang.inverse.boards.coordinates import coordinate
+from ipmlang.inverse.boards.raster import Raster, rasters
 
 HALFTONE = Path(__file__).parents[2] / ".." / "shared" / "data" / "svg" / "vpype_halftone.svg"
 ACROSS, LINES = 30, 24
@@ -140,3 +141,15 @@ def test_packed_boxes_are_one_rule_of_three_lengths() -> None:
     report = infer(BOXES).report
     assert report.tokens < 600
     assert report.explained == 1.0
+
+
+def test_no_place_is_left_on_a_tie() -> None:
+    raster = Raster(0, 200, 100, np.arange(200))
+    written = np.round(5.0001 + 5.0137 * raster.i - 1e-6, 2)
+    still, size = np.ones(200, np.bool_), np.zeros(200)
+    made = coordinate(raster, written + 5e-5, size, still, 0.0, 2.3e-4)
+    assert made is not None
+    assert made.decimals == 2
+    before = 100 * (made.terms[0] + made.terms[1] * raster.i)
+    assert np.abs(before % 1 - 0.5).min() > 1e-4
+    assert np.abs(made.at(raster) - written).max() < 1e-9

@@ -205,6 +205,7 @@ def _rounded(
     if decimals is None:
         return None
     grain, tie = 10.0**-decimals, 10.0 ** math.floor(math.log10(TIE * room))
+    value = np.rint(value / grain) * grain  # as it was written, or a tie may look like none
     basis, middle = _basis(raster), value - by * size
     solved = _solved(raster, middle)
     if np.abs(basis @ solved - middle).max() > grain:
