@@ -118,18 +118,20 @@ class Source:
         key = (rotation, row, column)
         if key not in self._factors:
             w, own = rotation[0], rotation[1:]
-            two = [self.multiply(2.0, each) for each in own]
             if row == column:
-                a, b = (self.multiply(two[k], own[k]) for k in range(3) if k != row)
+                a, b = (self._doubled(own[k], own[k]) for k in range(3) if k != row)
                 self._factors[key] = self.subtract(1.0, self.add(a, b))
             else:
                 first, second = sorted((row, column))
-                same = self.multiply(two[first], own[second])
-                across = self.multiply(two[3 - row - column], w)
-                plus = (row - column) % 3 == 1
-                join = self.add if plus else self.subtract
+                same = self._doubled(own[first], own[second])
+                across = self._doubled(own[3 - row - column], w)
+                join = self.add if (row - column) % 3 == 1 else self.subtract
                 self._factors[key] = join(same, across)
         return self._factors[key]
+
+    def _doubled(self, a: Operand, b: Operand) -> Operand:
+        """2 * a * b."""
+        return self.multiply(self.multiply(2.0, a), b)
 
 
 def cosine_and_sine(degrees: float) -> tuple[float, float]:

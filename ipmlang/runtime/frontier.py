@@ -8,6 +8,7 @@ keys.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -257,7 +258,7 @@ class Frontier(Trimming):
     def _check(self, symbol: int, shapes: Shapes) -> None:
         """Stop at a parameter or a state that is not finite."""
         for column in (*shapes.params, *shapes.state[: 3 if self.program.flat else 7]):
-            if np.isfinite(np.sum(column)):
+            if _is_finite(column):
                 continue
             wrong = np.flatnonzero(~np.isfinite(np.broadcast_to(column, (shapes.count,))))
             if len(wrong):
@@ -315,7 +316,7 @@ class Frontier(Trimming):
         self, chunk: Chunk, columns: Iterable[Column], said: str, around: Around
     ) -> None:
         for column in columns:
-            if np.isfinite(np.sum(column)) or not chunk.count:
+            if _is_finite(column) or not chunk.count:
                 continue
             wrong = np.flatnonzero(~np.isfinite(np.atleast_1d(chunk.column(column))))
             if len(wrong):
@@ -436,6 +437,11 @@ class Frontier(Trimming):
         if self._names[-1][1] != name:
             self._names.append((start, name))
         return start
+
+
+def _is_finite(column: Column) -> bool:
+    """Whether a column has no number that is none; too large a sum is looked at closer."""
+    return math.isfinite(column if isinstance(column, float) else np.sum(column))
 
 
 def _column(values: NDArray[np.float64]) -> Column:

@@ -2,8 +2,9 @@
 
 Prints one JSON object. `solve`: a façade of so many boxes stretched, CPU seconds for finding its
 neighbours, marking its equations, factoring them, solving them for another size, and all but the
-neighbours; `local`: one window of it made wider. `edits`: whole resizes of small buildings, from
-text to text. A loop of plain Python with a known count runs beside (`loop_s`), so that runs on busy
+neighbours; `local`: one window of it made wider. `edits`: resizes of small buildings, from text to
+text; `inferred`: one part of models that were read, changed from text to text, imports apart, and
+`proof`: what writing its result takes then. A loop of plain Python with a known count runs beside (`loop_s`), so that runs on busy
 machines can be compared. Timings are kept, never asserted.
 """
 
@@ -11,7 +12,9 @@ from __future__ import annotations
 
 import json
 import sys
+import tempfile
 import time
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
@@ -20,8 +23,8 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
-from ipmlang import edit  # noqa: E402
-from ipmlang.edit.buildings import Wanted, resize  # noqa: E402
+from ipmlang import edit, infer  # noqa: E402
+from ipmlang.edit.buildings import Wanted, paste, remove, resize, scale  # noqa: E402
 from ipmlang.edit.buildings.attachments import (  # noqa: E402
     Attached,
     attach,
@@ -29,7 +32,14 @@ from ipmlang.edit.buildings.attachments import (  # noqa: E402
     settle,
     stretching,
 )
+from ipmlang.edit.buildings.tree import grown  # noqa: E402
+from ipmlang.edit.draft import Draft  # noqa: E402
 
+REAL = ROOT / "../shared/data/mesh"
+MODELS = (
+    *(REAL / f"{name}.obj" for name in ("castle", "building_F_nobase", "building_H", "tower_A")),
+    ROOT / "examples" / "hotel.obj",
+)
 FILES = ROOT / "tests" / "edit" / "buildings"
 LOOP = 10**6
 
@@ -102,6 +112,33 @@ def whole_edits() -> dict[str, float]:
     return found
 
 
+LOCAL: dict[str, Callable[[Draft, str], Draft]] = {
+    "one larger": lambda draft, part: resize(draft, part, Wanted(z=1.2, factors=True), number=2),
+    "terminal scaled": lambda draft, part: scale(draft, part, np.array([1.1, 1.0, 1.0])),
+    "one removed": lambda draft, part: remove(draft, part, number=1),
+    "one pasted": lambda draft, part: paste(draft, part, part, number=2),
+}
+
+
+def of_inferred() -> dict[str, dict[str, float]]:
+    """Local edits of the commonest terminal of models as inference says them."""
+    found: dict[str, dict[str, float]] = {}
+    with tempfile.TemporaryDirectory(prefix="ipmlang-bench-") as folder:
+        for model in MODELS:
+            if not model.exists():
+                continue
+            path = Path(folder) / f"{model.stem}.ipm"
+            infer(model).save(path)
+            labels = Counter(grown(edit.read(path)).terminals.labels)
+            part = min(labels, key=lambda name: (-labels[name], name))
+            for name, work in LOCAL.items():
+                took, made = timed(lambda p=path, w=work, t=part: w(edit.read(p), t))
+                assert isinstance(made, Draft)
+                proof, _ = timed(lambda m=made, p=path: edit.finish(m, p.with_name("new.ipm")))
+                found[f"{model.stem}: {name}, {part}"] = {"edit_s": took, "proof_s": proof}
+    return found
+
+
 def main() -> None:
     begun = time.process_time()
     sum(i * i for i in range(LOOP))
@@ -110,6 +147,7 @@ def main() -> None:
         "loop_s": loop,
         "solve": [solving(*size) for size in ((10, 10), (58, 58), (130, 130))],
         "edits": whole_edits(),
+        "inferred": of_inferred(),
     }, indent=1))  # fmt: skip
 
 
