@@ -4,8 +4,8 @@ Prints one JSON object. `solve`: a façade of so many boxes stretched, CPU secon
 neighbours, marking its equations, factoring them, solving them for another size, and all but the
 neighbours; `local`: one window of it made wider. `edits`: resizes of small buildings, from text to
 text; `inferred`: one part of models that were read, changed from text to text, imports apart, and
-`proof`: what writing its result takes then. A loop of plain Python with a known count runs beside (`loop_s`), so that runs on busy
-machines can be compared. Timings are kept, never asserted.
+`proof`: what writing its result takes then. A loop of plain Python with a known count runs beside
+(`loop_s`), so that runs on busy machines can be compared. Timings are kept, never asserted.
 """
 
 from __future__ import annotations

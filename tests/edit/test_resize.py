@@ -232,3 +232,15 @@ def test_what_an_edit_derived_is_not_derived_again(
     assert other.terminals is None
     assert edit.save(other, tmp_path / "less.ipm").terminals < made.terminals
     assert len(derived) == 1
+
+
+def test_an_edit_goes_on_from_what_the_one_before_it_derived(tmp_path: Path) -> None:
+    """The same tree for the same draft, another one when a file beside it changed."""
+    draft = draft_of("bricks", tmp_path)
+    tree = grown(draft)
+    assert grown(draft).scene is tree.scene
+    assert grown(edit.read(draft.path)).scene is not tree.scene
+    assert grown(draft, seed=1).scene is not tree.scene
+    model = draft.folder / "brick.obj"
+    model.write_text(f"{model.read_text(encoding='utf-8')}# larger\n", encoding="utf-8")
+    assert grown(draft).scene is not tree.scene

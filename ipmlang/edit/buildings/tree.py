@@ -7,8 +7,11 @@ changed or judged here.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import cache as remember
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -20,6 +23,7 @@ from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail, nearest
 from ipmlang.compiler.load import load_text
 from ipmlang.edit.buildings.contacts import neighbours
 from ipmlang.edit.draft import Draft, Drawn
+from ipmlang.edit.files import files_with
 from ipmlang.edit.saving import about, staged
 from ipmlang.inverse.frames import Floats, Frames, Integers, corners, inverse, linear
 from ipmlang.runtime import derive
@@ -44,7 +48,7 @@ class Terminals:
 class Tree:
     """n shapes and m terminals. names: of the shapes, as the main file writes them; frames, size
     (n, 3): their scopes; parent (n,), owner (m,): the shape that made each, -1 of the start;
-    meshes: of the assets that are drawn, by their numbers.
+    meshes: of the assets that are drawn, by their numbers; stamps: of the files beside the grammar.
     """
 
     draft: Draft
@@ -56,6 +60,7 @@ class Tree:
     size: Floats
     terminals: Terminals
     meshes: Mapping[int, Mesh]
+    stamps: tuple[tuple[str, int, int], ...] = ()
 
     def is_natural(self, row: int) -> bool:
         """Whether a terminal is an asset as large as it is in its file."""
@@ -206,6 +211,12 @@ def grown(
     """Derive a draft with its tree; like: a tree that has some of its assets already. Raises
     IpmError for what cannot be derived, and for grammars whose shapes do not expand independently.
     """
+    plain = seed == 0 and not attrs
+    if plain:
+        known = next((each for each in _last_trees() if _is_of(each, draft)), None)
+        if known is not None and _stamps(draft) == known.stamps:
+            return replace(known, draft=replace(draft, drawn=known.draft.drawn))
+    stamps = _stamps(draft)
     if not draft.added:
         loaded = load_text(draft.text, draft.folder, draft.allow_outside)
         tree = tree_of(draft, compile_loaded(loaded)[1], seed=seed, attrs=attrs, like=like)
@@ -213,10 +224,36 @@ def grown(
         with staged(draft, draft.path) as made, about(made, draft.path):
             program = compile_file(made.path, allow_outside=draft.allow_outside)[1]
             tree = tree_of(draft, program, seed=seed, attrs=attrs)
-    if seed == 0 and not attrs and not any(map(_replays, draft.grammar.items)):
-        drawn = Drawn(draft.grammar, draft.added, len(tree.scene.instances))
-        tree = replace(tree, draft=replace(draft, drawn=drawn))
+    if plain:
+        if not any(map(_replays, draft.grammar.items)):
+            drawn = Drawn(draft.grammar, draft.added, len(tree.scene.instances))
+            draft = replace(draft, drawn=drawn)
+        tree = replace(tree, draft=draft, stamps=stamps)
+        _last_trees().append(tree)
     return tree
+
+
+@remember
+def _last_trees() -> deque[Tree]:
+    """The trees that were made last: an edit goes on from what the one before it derived."""
+    return deque(maxlen=2)
+
+
+def _is_of(tree: Tree, draft: Draft) -> bool:
+    """Whether a tree was derived of the very grammar of a draft, where that lies."""
+    own = tree.draft
+    same = own.grammar is draft.grammar and own.added is draft.added
+    return same and own.path == draft.path and own.allow_outside == draft.allow_outside
+
+
+def _stamps(draft: Draft) -> tuple[tuple[str, int, int], ...]:
+    """By which a change of the files is seen that lie beside a grammar."""
+    found = []
+    for name, path in files_with(draft.grammar, draft.folder, draft.added).items():
+        with suppress(OSError):  # one that is not there is for others to tell
+            stat = path.stat()
+            found.append((name, stat.st_mtime_ns, stat.st_size))
+    return tuple(found)
 
 
 def _replays(item: ast.Item) -> bool:
