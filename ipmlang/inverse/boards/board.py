@@ -106,7 +106,7 @@ def with_boards(
     """
     body = book.bodies[AXIOM]
     made: list[Board] = []
-    done = set(bound)
+    done = set(bound) | book.inlined()  # what is written where it stands has no name for a cell
     for raster in rasters(body.places.position, _styles(body.parts, terminals)):
         own = set(body.parts[raster.start : raster.stop].tolist())
         board = None if own & done else _board(book, terminals, raster, ROOM * diagonal)
