@@ -126,7 +126,7 @@ class Turtles(Writer):
         draw = self.draw
         kind = draw.choice(SPACE if self.space else PLANE)
         kind = "pitch" if kind == "level" and self.scoped else kind
-        if draw.random() < 0.1 and not self.scoped and place.budget > 1:
+        if draw.random() < 0.06 and not self.scoped and place.budget > 1:
             place.budget -= 1
             return self.choice((self._polygon(place),))
         if kind in ("draw", "asset"):
