@@ -172,8 +172,7 @@ def _upright(observed: Observation) -> Frames:
         if shape.fragment is not None:
             x[shape.members] = shape.fragment.matrix[4]
             y[shape.members] = observed.flip - shape.fragment.matrix[5]
-    bound = np.array([depends_on_frame(replace(s, effects=())) for s in observed.styles], np.bool_)
-    fixed = bound[observed.style]
+    fixed = _bound(observed)
     return Frames(
         x,
         y,
@@ -181,6 +180,12 @@ def _upright(observed: Observation) -> Frames:
         np.where(fixed, 1.0, given.scale),
         np.where(fixed, 1, given.handedness).astype(np.int8),
     )
+
+
+def _bound(observed: Observation) -> NDArray[np.bool_]:
+    """(n,) elements whose style depends on their frame."""
+    bound = [depends_on_frame(replace(style, effects=())) for style in observed.styles]
+    return np.array(bound, np.bool_)[observed.style]
 
 
 def _rare_lines(observed: Observation) -> list[list[int]]:
@@ -220,12 +225,16 @@ def _line_classes(observed: Observation) -> list[list[int]]:
 def _scaled_lines(
     observed: Observation, placed: Frames, stretched: Sequence[Sequence[int]]
 ) -> tuple[NDArray[np.int32], Frames]:
-    """Shapes and frames where all lines of some classes are of the first one, stretched."""
+    """Shapes and frames where all lines of some classes are of the first one, stretched; not those
+    whose style would be stretched with them.
+    """
     shapes, scale = observed.shape.copy(), placed.scale.copy()
+    free = ~_bound(observed)
     for numbers in stretched:
         unit = observed.classes[numbers[0]].radius
         for number in numbers:
-            rows = observed.classes[number].members
+            members = observed.classes[number].members
+            rows = members[free[members]]
             shapes[rows] = numbers[0]
             scale[rows] *= observed.classes[number].radius / unit
     return shapes, Frames(placed.x, placed.y, placed.angle, scale, placed.handedness)

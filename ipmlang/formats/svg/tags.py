@@ -30,6 +30,7 @@ _DOUBLED = re.compile(r"#([0-9a-f])\1([0-9a-f])\2([0-9a-f])\3")
 _NUMBERS = frozenset({"stroke-width", "stroke-dasharray", "stroke-dashoffset"})
 _ROUND = 1e-12  # of the radius: where two are the same
 _SIMILAR = 1e-9  # where a map keeps circles round
+_PLAIN = (1.0, 0.0, 0.0, 1.0)
 _MOST_ARCS = 4  # that programs make a whole ellipse of
 _GROUP = len("<g>\n</g>\n")
 
@@ -75,7 +76,8 @@ def _tags(
 ) -> list[Tag]:
     """The tags of outlines, each in the shorter of the spaces that it may be written in."""
     inner = {name: _unslanted(each) for name, each in elements.items()}
-    shapes = _shape_texts(inner, allowed)
+    pens = {name: each.style.stroke_matrix or _PLAIN for name, each in elements.items()}
+    shapes = _shape_texts(inner, {name: allowed[name] / _size(pens[name]) for name in inner})
     found: dict[str, Tag] = {}
     for name, element in elements.items():
         pairs = style_attributes(element.style, definitions)
