@@ -15,6 +15,7 @@ from dataclasses import replace
 from ipmlang.compiler import ir
 from ipmlang.runtime.algebra import Operand, Source
 from ipmlang.runtime.code import INFIX, SOUND, Names, doubtful, expression, source
+from ipmlang.runtime.copied_bodies import chosen_symbols, walked
 from ipmlang.runtime.fields import FRAME, IDENTITY, LAG, UNSET
 from ipmlang.runtime.fields import SCOPE as SCOPE_FIELDS
 from ipmlang.runtime.grouping import FIELD
@@ -26,7 +27,6 @@ from ipmlang.runtime.queries.marks import FIELD as MARK
 from ipmlang.runtime.queries.marks import PHASE
 from ipmlang.runtime.scene import SCOPE, SEGMENT
 from ipmlang.runtime.scopes import scope_bodies
-from ipmlang.runtime.symbol_rows import assets_of, named
 
 
 class Writer:
@@ -34,6 +34,7 @@ class Writer:
 
     def __init__(self, setting: Setting, single: bool, tail: ir.Instruction | None = None) -> None:
         self._setting = setting
+        self.program = setting.program
         self._single = single
         self._tail = tail
         self.quiet = False
@@ -44,7 +45,7 @@ class Writer:
         self.base: State = {}
         self.owners: list[str] = []  # of the copies around, since the base was noted
         self._moving: dict[int, bool] = {}
-        self._code: dict[int, ir.Instruction] = {}  # what wrote each register so far
+        self.code: dict[int, ir.Instruction] = {}  # what wrote each register so far
         self._sound: set[int] = set()  # registers of the body whose numbers are finite
         self.unknown: set[str] = set()  # of a quiet walk: what an operation on geometry made of it
 
@@ -60,7 +61,7 @@ class Writer:
             if number <= passed and each.op not in ir.VALUE_OPS:
                 continue
             if each.out >= 0:
-                self._code[each.out] = each
+                self.code[each.out] = each
             if each.op == "open":
                 saved.append(dict(state))
                 if MARK in state and not self.quiet:
@@ -69,7 +70,9 @@ class Writer:
                     passed = self._bracket_end(elements, number)
             elif each.op == "close":
                 state = saved.pop()
-            elif each.op == "repeat" and (last := self._named(elements, number, scope, state)):
+            elif each.op == "repeat" and (
+                last := chosen_symbols(self, elements, number, scope, state)
+            ):
                 passed = last
             elif each.op == "repeat":
                 state = self._repeat(each, scope, state)
@@ -116,7 +119,7 @@ class Writer:
 
     def _expands(self, each: ir.Instruction) -> bool:
         assert isinstance(each.const, int)
-        symbol = self._setting.program.symbols[each.const]
+        symbol = self.program.symbols[each.const]
         return bool(symbol.productions or symbol.interpretation)
 
     def act(
@@ -137,7 +140,7 @@ class Writer:
                 continue
             given = [inner.registers[arg] for arg in each.args]
             if each.op == "pen" and not doubt.isdisjoint(each.args):  # else what is drawn tells
-                self.check(each, self._setting.program.symbols[symbol].name, inner, doubt)
+                self.check(each, self.program.symbols[symbol].name, inner, doubt)
             if each.op in ("segment", "emit"):
                 self._draw(each, scope, given, symbol, site, state)
             if each.op == "pen" and _field(each) == FIELD:
@@ -153,7 +156,7 @@ class Writer:
         assert isinstance(each.const, int)
         if self.quiet and self._expands(each):
             return state
-        symbol = self._setting.program.symbols[each.const]
+        symbol = self.program.symbols[each.const]
         args = tuple(scope.registers[register] for register in each.args)
         if not self._expands(each):
             self.check(each, symbol.name, scope)
@@ -264,7 +267,7 @@ class Writer:
         assert isinstance(each.const, tuple)
         if args:
             return args[0]
-        return float(self._setting.program.strings.index(str(each.const[1])))
+        return float(self.program.strings.index(str(each.const[1])))
 
     def _grouped(
         self, each: ir.Instruction, args: list[Operand], scope: Scope, state: State
@@ -346,7 +349,7 @@ class Writer:
         assert self.ended is not None
         own, after = state, state
         if self.ended != start:
-            own, after = self._walked(state, self.ended, start, state, "counts", "owner")
+            own, after = walked(self, state, self.ended, start, state, "counts", "owner")
         if LAG in state:
             own = {**own, LAG: self.source.let(f"{source(state[LAG])} + arange({scope.count})")}
         self.body(elements, scope, dict(own))
@@ -373,7 +376,7 @@ class Writer:
         self.quiet, self.unknown = quiet, unknown
         after = state
         if step != start:
-            own, after = self._walked(state, step, start, own, counts, owner)
+            own, after = walked(self, state, step, start, own, counts, owner)
         if not quiet:
             outer, self.slots = self.slots, []
             self.owners.append(owner)
@@ -382,31 +385,6 @@ class Writer:
             slots, self.slots = self.held(self.values(self.slots)), outer
             self.slots.append(f"Copies({counts}, {owner}, {slots})")
         return after
-
-    def _named(
-        self, elements: Sequence[ir.Instruction], number: int, scope: Scope, state: State
-    ) -> int:
-        """Write the choice of a symbol that a repeat begins, as one step; the last element that it
-        takes, 0 where there is none. In a program with scopes its parts may ask for what is drawn.
-        """
-        program = self._setting.program
-        found = None if program.scoped else named(elements, number, self._code)
-        assets = None if found is None else assets_of(program, found.leaves)
-        if found is None or assets is None:
-            return 0
-        if not self.quiet:
-            leaves = [
-                (leaf.symbol, leaf.site, leaf.depth, asset)
-                for leaf, asset in zip(found.leaves, assets, strict=True)
-            ]
-            said = source(scope.registers[found.register])
-            words = f"({scope.k0}, {scope.k1}, {scope.tuple})"
-            what = f"{said}, {tuple(leaves)}, {self.values(state.values())}, {words}"
-            where = f"{scope.shown}, {scope.around}"
-            self.slots.append(
-                f"*{self.held(f'place_named(run, rule, {scope.count}, {what}, {where})')}"
-            )
-        return found.last
 
     def _moves(self, repeat: ir.Instruction) -> bool:
         """Whether a copy may leave another state than it found: only then is it walked for it."""
@@ -419,29 +397,6 @@ class Writer:
             )  # fmt: skip
             self._moving[id(repeat)] = found
         return found
-
-    def _walked(
-        self, state: State, step: State, start: State, own: State, counts: str, owner: str
-    ) -> tuple[State, State]:
-        """The state that each copy finds, and the one after the last copy."""
-        write = self.source
-        count = f"len({owner})"
-        after = dict(state)
-        own = dict(own)
-        frame = [name for name in state if name in FRAME]
-        if any(step[name] != start[name] for name in frame):
-            parts = f"{self.mapping(state, frame)}, {self.mapping(step, frame)}"
-            found = self.held(f"run.walk({counts}, {count}, {parts})")
-            for name in frame:
-                own[name] = write.let(f"{found}[0]['{name}']")
-                after[name] = write.let(f"{found}[1]['{name}']")
-        for name in state:
-            if name not in FRAME and step[name] != start[name]:
-                kind = "total" if name == "layer" else "last"
-                parts = f"{source(state[name])}, {source(step[name])}"
-                found = self.held(f"run.{kind}({counts}, {count}, {parts})")
-                own[name], after[name] = write.let(f"{found}[0]"), write.let(f"{found}[1]")
-        return own, after
 
     def mapping(self, state: State, names: Sequence[str]) -> str:
         """The source of some fields of a state."""

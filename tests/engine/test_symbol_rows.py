@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ipmlang.compiler import compile_file, ir
-from ipmlang.runtime import bodies, derive
+from ipmlang.runtime import copied_bodies, derive
 from ipmlang.runtime.lineage import Lineage
 from ipmlang.runtime.numpy_backend import derive_frontier
 from ipmlang.runtime.scene import Scene
@@ -80,7 +80,7 @@ def test_the_same_as_symbol_by_symbol(
     def none(*given: object) -> None:
         calls.append(len(given))
 
-    monkeypatch.setattr(bodies, "named", none)
+    monkeypatch.setattr(copied_bodies, "named", none)
     assert_same(found, derive(program, seed=3))
     assert calls, "nothing asked whether rows name their symbols"
 
@@ -95,7 +95,7 @@ def traced(program: ir.Program) -> Lineage:
 def test_who_drew_what_is_told_as_before(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     program = made(tmp_path, DRAWN["nested"])
     found = traced(program)
-    monkeypatch.setattr(bodies, "named", lambda *_: None)
+    monkeypatch.setattr(copied_bodies, "named", lambda *_: None)
     wanted = traced(program)
     assert np.array_equal(found.drawn_at, wanted.drawn_at)
     # Shapes are numbered symbol by symbol, in whatever order these are reached.
