@@ -84,6 +84,18 @@ class Board:
         """All nodes."""
         return int(self.nodes[-1]) + 1
 
+    @property
+    def full(self) -> bool:
+        """Whether the same thing in one size stands on all nodes of whole lines."""
+        whole = self.raster.node[0] == 0 and self.count % self.raster.across == 0
+        alike = len(np.unique(self.part)) == 1 and bool((self.size == 1).all())
+        return bool(whole) and len(self.part) == self.count and alike
+
+    @property
+    def plain(self) -> bool:
+        """Whether it is a grid and no more, which rules say as a repeat of a repeat."""
+        return self.full and self.x.even and self.y.even
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Kind:
@@ -110,7 +122,7 @@ def with_boards(
     for raster in rasters(body.places.position, _styles(body.parts, terminals)):
         own = set(body.parts[raster.start : raster.stop].tolist())
         board = None if own & done else _board(book, terminals, raster, ROOM * diagonal)
-        if board is not None:
+        if board is not None and not board.plain:
             made.append(board)
             done |= own  # their frames are bound to this board
     return made

@@ -40,7 +40,7 @@ def printed_board(board: Board, names: Mapping[int, str], given: Names) -> Print
     rules: tuple[ast.Rule, ...] = ()
     if board.sized is not None and board.codes:
         rules = _rules(board, names, given.give(capital(names[board.sized])))
-    i, j = _indices(board)
+    i, j = _indices(board, columns)
     size = _size(board)
     at = [_formula(each, label, (i, j, size)) for each, label in ((board.x, "x"), (board.y, "y"))]
     body = _thing(board, columns, names, rules, at)
@@ -48,13 +48,21 @@ def printed_board(board: Board, names: Mapping[int, str], given: Names) -> Print
     if columns:
         rows = tuple(zip(*columns.values(), strict=True))
         table = ast.Table(given.give("Board"), None, tuple(columns), rows)
-    loop = ast.Repeat(
+    return Printed(board.start, _loop(board, body, table), table, rules)
+
+
+def _loop(board: Board, body: tuple[ast.Element, ...], table: ast.Table | None) -> ast.Repeat:
+    """The lines and the steps along each where all are alike, else all nodes in one."""
+    if board.full and table is None:
+        along = ast.Count("i", ast.Number(float(board.raster.across)))
+        lines = ast.Count("j", ast.Number(float(board.count // board.raster.across)))
+        return ast.Repeat(lines, (ast.Repeat(along, (ast.Bracket(body),)),))
+    return ast.Repeat(
         ast.Count("k", ast.Number(float(board.count))),
         (ast.Bracket(body),),
         holes=_holes(board),
         rows=None if table is None else ast.Rows(ROW, table.name),
     )
-    return Printed(board.start, loop, table, rules)
 
 
 def _thing(
@@ -127,8 +135,10 @@ def _rules(board: Board, names: Mapping[int, str], name: str) -> tuple[ast.Rule,
 # -------------------------------------------------------------------------- formulas
 
 
-def _indices(board: Board) -> tuple[ast.Expr, ast.Expr]:
+def _indices(board: Board, columns: Mapping[str, object]) -> tuple[ast.Expr, ast.Expr]:
     """Which step along the line, and which line node k is."""
+    if board.full and not columns:
+        return ast.Name("i"), ast.Name("j")
     k: ast.Expr = ast.Name("k")
     across = ast.Number(float(board.raster.across))
     skipped = int(board.raster.node[0])

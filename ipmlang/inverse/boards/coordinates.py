@@ -72,6 +72,11 @@ class Coordinate:
         rest = 0 if self.rest is None else RESIDUAL + len(self.rest)
         return jumps + rest + ROUNDED * (self.decimals is not None) + 4 * (self.by != 0)
 
+    @property
+    def even(self) -> bool:
+        """Whether it is even steps and nothing else."""
+        return self.tokens == 0 and self.terms[3] == 0
+
     def at(self, raster: Raster) -> Floats:
         """(n,) the coordinate of each place."""
         made = _basis(raster) @ np.array(self.terms) + self.by * self.size
