@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -12,7 +14,12 @@ from ipmlang.compiler.format import format_grammar
 from ipmlang.compiler.parse import parse
 from ipmlang.compiler.tokens import count_text_tokens
 from ipmlang.inverse.folding import fold
+from ipmlang.inverse.folding.fold import Known, _fitted
+from ipmlang.inverse.folding.pivots import about_points
 from ipmlang.inverse.folding.printing import printed_tokens
+from ipmlang.inverse.folding.progressions import with_repeats
+from ipmlang.inverse.folding.rows import Row, with_numbers
+from ipmlang.inverse.folding.templates import rounding
 
 THINGS = "Box --> [F(2)]\nDot --> [F(1)]\nBar --> [F(3)]\n"
 CELL = "[at({}, {}) Box] [at({}, {}) Dot] [at({}, {}) Bar] [at({}, {}) Dot]"
@@ -198,3 +205,31 @@ def test_what_moves_the_turtle_is_no_symbol_to_give() -> None:
     for name, thing in (("A", "[at(1, 1) Go] Go"), ("B", "[at(1, 1) Dot] Dot")):
         text += f"{name} --> Box [at(4, 2) Dot] [at(7, 8) Bar] [at(12, 9) Box] {thing}\n"
     assert "(Go" not in folded(text)
+
+
+def test_steps_of_angles_and_sizes_are_exact_however_coarse_places_are() -> None:
+    rows = [Row((0.0, 0.0, 360 / 7 * k - 180, 1 + k / 3), name="Box") for k in range(7)]
+    (repeat,) = with_repeats(rows, rounding(1e-2), set())
+    numbers = [float(each) for each in re.findall(r"value=([-\d.]+)", str(repeat))]
+    assert 51.428571428571 in numbers and 0.333333333333 in numbers
+
+
+def test_rows_with_other_numbers_keep_the_symbols_that_they_are_given() -> None:
+    (made,) = with_numbers([Row(name="Card", args=(1.0,), symbols=("Box",))], [2, 3, 0, 1, 5])
+    assert (made.frame, made.args, made.symbols) == ((2, 3, 0, 1), (5,), ("Box",))
+
+
+def test_half_a_turn_either_way_round_is_no_turn_about_a_point() -> None:
+    table = np.array([[0.0, 0.0, 180.0, 1.0], [5.0, 0.0, -180.0, 1.0], [9.0, 0.0, 180.0, 1.0]])
+    with np.errstate(all="raise"):
+        rows, numbers = about_points([Row(name="Box")], table, [0], 1e-3)
+    assert not rows[0].inner and (numbers == table).all()
+
+
+def test_the_same_rows_in_other_stretches_are_fitted_anew() -> None:
+    rows = [Row((x, y, 0.0, 1.0), name="Box") for x, y in ((0, 0), (3, 1), (9, 9), (12, 10))] * 3
+    given, known = rounding(1e-5), Known()
+    for count in (2, 6):
+        stretches = [tuple(rows[k : k + count]) for k in range(0, len(rows), count)]
+        found = _fitted(stretches, given, known, -100, frozenset())
+        assert found is not None and len(found[0].places) == len(stretches)

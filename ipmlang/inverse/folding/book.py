@@ -68,10 +68,6 @@ class Book:
             wishes=dict(self.wishes),
         )
 
-    def take(self, other: Book) -> None:
-        """Become another one."""
-        self.plain, self.fixed, self.templates = other.plain, other.fixed, other.templates
-
     def add(self, name: str, template: Template, wish: str) -> None:
         """A new rule; without parameters it is a plain one."""
         self.wishes[name] = wish

@@ -21,8 +21,8 @@ from ipmlang.inverse.folding.printing import printed, printed_tokens
 from ipmlang.inverse.folding.rows import Row
 from ipmlang.inverse.folding.templates import HEAD, Rounding, Template, best_template, rounding
 
-# Stretches by the rows that are in them, which are kept so that no other row gets their number:
-# the tokens that a template had to save, and the best that does.
+# Stretches by how many they are and by the rows that are in them, which are kept so that no other
+# row gets their number: the tokens that a template had to save, and the best that does.
 Fitted: TypeAlias = "tuple[list[tuple[Row, ...]], int, tuple[Template, int] | None]"
 Known = dict[tuple[int, ...], Fitted]
 
@@ -164,7 +164,7 @@ def _fitted(
     leaving: Set[str],
 ) -> tuple[Template, int] | None:
     """The template of some stretches that saves the tokens needed, looked for once."""
-    key = tuple(id(row) for rows in stretches for row in rows)
+    key = (len(stretches), *(id(row) for rows in stretches for row in rows))
     _, least, found = known.get(key, (stretches, needed + 1, None))
     if found is None and needed < least:
         found = best_template(stretches, given, needed, leaving)

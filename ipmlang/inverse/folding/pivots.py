@@ -58,6 +58,8 @@ def _middle(numbers: Floats, error: float) -> tuple[complex, complex] | None:
     if np.ptp(angle) < TURN or max(np.ptp(x), np.ptp(y)) <= error:
         return None
     spread = factor - factor.mean()
+    if np.abs(spread).max() < np.deg2rad(TURN) / 2 * np.abs(factor).max():  # -180 is 180
+        return None
     beside = complex(np.vdot(spread, place) / np.vdot(spread, spread))
     beside = complex(shortest(beside.real, error / 4), shortest(beside.imag, error / 4))
     middle = complex((place - factor * beside).mean())

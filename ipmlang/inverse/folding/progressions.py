@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 
 from ipmlang.compiler import ast
 from ipmlang.inverse.folding.rows import Row, element, element_tokens, plain
-from ipmlang.inverse.folding.templates import FINE, TURNED, Rounding, labels_of
+from ipmlang.inverse.folding.templates import FINE, PLACES, TURNED, Rounding, labels_of
 from ipmlang.inverse.numbers import linear
 
 Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
 VARIABLES = ("i", "j")
 LEAST = 2  # tokens that a repeat must save
 FEWEST = 3  # rows that can be told to go on by equal steps
@@ -70,12 +71,14 @@ def _one(row: Row, given: Rounding, leaving: Set[str]) -> ast.Element:
 def _run(rows: Sequence[Row], given: Rounding, leaving: Set[str]) -> Iterator[ast.Element]:
     """Rows of one kind."""
     table = np.array([row.numbers for row in rows])
-    errors = np.array([FINE if word in TURNED else given.error for word in labels_of(rows[0])])
+    turned = np.array([word in TURNED for word in labels_of(rows[0])], np.bool_)
+    errors = np.where(turned, FINE, given.error)
+    places = np.where(turned, PLACES, given.places)
     start = 0
     while start < len(rows):
         best: tuple[int, int, ast.Element] | None = None
-        for grid in _grids(table[start:], errors):
-            made = _repeat(rows[start], table[start], grid, given, leaving)
+        for grid in _grids(table[start:], errors, places):
+            made = _repeat(rows[start], table[start], grid, leaving)
             alone = sum(row.tokens for row in rows[start : start + grid.rows])
             saved = alone - element_tokens(made)
             if saved >= LEAST and (best is None or saved > best[0]):
@@ -88,18 +91,20 @@ def _run(rows: Sequence[Row], given: Rounding, leaving: Set[str]) -> Iterator[as
             start += best[1]
 
 
-def _grids(table: Floats, errors: Floats) -> Iterator[_Grid]:
-    """What the first rows (n, h) could be: a row, or lines of equal length."""
+def _grids(table: Floats, errors: Floats, places: Integers) -> Iterator[_Grid]:
+    """What the first rows (n, h) could be: a row, or lines of equal length, by steps as they are
+    printed; errors, places: (h,) what a number may be off, and the decimals of its step.
+    """
     if len(table) < FEWEST:
         return
-    along = table[1] - table[0]
+    along = _step(table[0], table[1], places)
     index = np.arange(len(table))[:, None]
     off = (np.abs(table - table[0] - along * index) > errors).any(axis=1)
     length = int(np.argmax(off)) if off.any() else len(table)
     if length >= FEWEST:
         yield _Grid(1, length, along, along)
     if 2 <= length <= len(table) // 2:
-        across = table[length] - table[0]
+        across = _step(table[0], table[length], places)
         wanted = table[0] + along * (index % length) + across * (index // length)
         wrong = (np.abs(table - wanted) > errors).any(axis=1)
         lines = (int(np.argmax(wrong)) if wrong.any() else len(table)) // length
@@ -107,15 +112,18 @@ def _grids(table: Floats, errors: Floats) -> Iterator[_Grid]:
             yield _Grid(lines, length, across, along)
 
 
-def _repeat(
-    first: Row, numbers: Floats, grid: _Grid, given: Rounding, leaving: Set[str]
-) -> ast.Element:
+def _step(one: Floats, other: Floats, places: Integers) -> Floats:
+    """(h,) from one row to another, without what differences of decimals are off."""
+    steps = zip((other - one).tolist(), places.tolist(), strict=True)
+    return np.array([round(step, own) + 0.0 for step, own in steps])
+
+
+def _repeat(first: Row, numbers: Floats, grid: _Grid, leaving: Set[str]) -> ast.Element:
     """The repeat of a grid whose first row has these numbers."""
     outer, inner = VARIABLES
     values: list[ast.Expr] = []
     steps = zip(numbers.tolist(), grid.across.tolist(), grid.along.tolist(), strict=True)
     for start, across, along in steps:
-        across, along = (round(each, given.places) + 0.0 for each in (across, along))
         if grid.lines == 1:
             values.append(linear(start, along, outer, (0.0, 0.0)))
         else:

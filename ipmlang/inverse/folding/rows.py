@@ -215,7 +215,9 @@ def _with(row: Row, values: Iterator[float]) -> Row:
     args = tuple(next(values) for _ in row.args)
     inner = tuple(_with(each, values) for each in row.inner)
     frame = (x, y, angle, scale)
-    return Row(frame, row.hand, row.pens, row.name, args, inner, row.other, row.origin)
+    return Row(
+        frame, row.hand, row.pens, row.name, args, inner, row.other, row.origin, row.symbols
+    )  # fmt: skip
 
 
 # ------------------------------------------------------------------------ printing
