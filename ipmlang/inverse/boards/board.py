@@ -151,6 +151,8 @@ def _board(book: Book, terminals: Sequence[Terminal], raster: Raster, room: floa
             tokens = board.x.tokens + board.y.tokens
             if best is None or tokens < best[0]:
                 best = tokens, board, kinds
+            if tokens == 0:
+                break
     if best is None:
         return None
     for kind in best[2]:

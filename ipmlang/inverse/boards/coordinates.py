@@ -15,6 +15,7 @@ from typing import TypeAlias
 import numpy as np
 
 from ipmlang.inverse.boards.raster import Raster
+from ipmlang.inverse.least_largest import least_largest
 from ipmlang.inverse.lsystem.curves import Booleans
 from ipmlang.inverse.lsystem.frames import Floats
 from ipmlang.inverse.lsystem.symbols import Integers
@@ -138,19 +139,6 @@ def _solved(raster: Raster, value: Floats) -> Floats:
     return every if less < 0.5 * off else some
 
 
-def _nearest(basis: Floats, value: Floats) -> Floats | None:
-    """(4,) terms whose largest error is least (Chebyshev's)."""
-    from scipy.optimize import linprog
-
-    ones = np.ones((len(value), 1))
-    above, below = np.hstack([basis, -ones]), np.hstack([-basis, -ones])
-    cost = np.array([0.0, 0.0, 0.0, 0.0, 1.0])
-    free = [(None, None)] * 4 + [(0, None)]
-    limit = np.concatenate([value, -value])
-    solved = linprog(cost, np.vstack([above, below]), limit, bounds=free, method="highs")
-    return np.asarray(solved.x)[:4] if solved.status == 0 else None
-
-
 def _short(basis: Floats, value: Floats, terms: Floats, most: float) -> Terms | None:
     """Terms with few decimals that come as near to all values as `most`, None where none do: the
     steps first, and where they begin in the middle of what is left open.
@@ -215,7 +203,7 @@ def _rounded(
     solved = _solved(raster, middle)
     if np.abs(basis @ solved - middle).max() > grain:
         return None
-    nearest = _nearest(basis, middle)
+    nearest = least_largest(basis, middle)
     if nearest is None:
         return None
     terms: Terms | None = None

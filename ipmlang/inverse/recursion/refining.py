@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ipmlang.inverse.least_largest import least_largest
 from ipmlang.inverse.lsystem.frames import Complexes, Floats
 from ipmlang.inverse.recursion.program import (
     Again,
@@ -30,8 +31,6 @@ MOST_POINTS = 20_000
 ROUNDS = 3
 STEP = 1e-6  # degrees and steps, for slopes
 ALIKE = 5  # decimals in which numbers agree that are one
-FIRST = 256  # points that the first linear program holds
-EXCHANGES = 8  # of points that it moved too far
 WHOLE = 1e-9  # of a turn or length that is the unit, which stays
 
 _Key = tuple[str, float]
@@ -79,7 +78,7 @@ def refined(program: Recursion, strokes: Strokes) -> Recursion:
     for round_ in range(ROUNDS):
         slopes, off = fit.system(values)
         last = round_ == ROUNDS - 1
-        nearest = _least_largest(slopes, off) if strokes.grain and last else None
+        nearest = least_largest(slopes, off) if strokes.grain and last else None
         if nearest is None:
             nearest = np.asarray(np.linalg.lstsq(slopes, off, rcond=1e-12)[0], np.float64)
         values = values + nearest[4:]
@@ -92,35 +91,6 @@ def _similar(points: Complexes, target: Complexes) -> complex:
     spread = points - points.mean()
     size = float(np.sum(np.abs(spread) ** 2)) or 1.0
     return complex(np.sum(spread.conj() * (target - target.mean()))) / size
-
-
-def _least_largest(slopes: Floats, off: Floats) -> Floats | None:
-    """The change after which the largest deviation is the smallest, None where none is found."""
-    from scipy.optimize import linprog
-
-    width = slopes.shape[1]
-    size = np.maximum(np.abs(slopes).max(axis=0), 1e-300)
-    scaled = slopes / size
-    change = np.linalg.lstsq(scaled, off, rcond=1e-12)[0]
-    chosen = np.zeros(0, np.int64)
-    for _ in range(EXCHANGES):
-        worst = np.argsort(-np.abs(off - scaled @ change), kind="stable")[:FIRST]
-        if np.isin(worst, chosen).all():
-            break
-        chosen = np.union1d(chosen, worst)
-        rows, wanted = scaled[chosen], off[chosen]
-        slack = -np.ones((len(rows), 1))
-        free: list[tuple[float | None, float | None]] = [(None, None)] * width + [(0, None)]
-        found = linprog(
-            [0] * width + [1],
-            np.block([[rows, slack], [-rows, slack]]),
-            np.concatenate([wanted, -wanted]),
-            bounds=free,
-        )
-        if found.status != 0 or found.x is None:
-            return None
-        change = np.asarray(found.x[:width], np.float64)
-    return np.asarray(change / size, np.float64)
 
 
 def _key(command: Command) -> _Key | None:

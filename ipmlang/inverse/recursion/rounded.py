@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ipmlang.inverse.least_largest import least_largest_of_few
 from ipmlang.inverse.lsystem.frames import Complexes, Floats
 from ipmlang.inverse.numbers import shortest
 from ipmlang.inverse.recursion.program import Recursion, expand
@@ -133,8 +134,6 @@ def _least_largest(
     unit: Complexes, given: Complexes, turning: bool
 ) -> tuple[complex, complex, float] | None:
     """Position, factor and largest deviation where that is the smallest."""
-    from scipy.optimize import linprog
-
     count, base = len(unit), given.mean()
     along = [np.concatenate([unit.real, unit.imag])]
     if turning:
@@ -142,13 +141,8 @@ def _least_largest(
     across = np.repeat(np.eye(2), count, axis=0)
     rows = np.column_stack([across, *along])
     target = np.concatenate([(given - base).real, (given - base).imag])
-    slack = -np.ones((len(rows), 1))
-    left = np.block([[rows, slack], [-rows, slack]])
-    width = rows.shape[1]
-    free: list[tuple[float | None, float | None]] = [(None, None)] * width + [(0, None)]
-    cost = [0.0] * width + [1.0]
-    found = linprog(cost, left, np.concatenate([target, -target]), bounds=free)
-    if found.status != 0 or found.x is None:
+    found = least_largest_of_few(rows, target)
+    if found is None:
         return None
-    x, y, *factor, largest = found.x.tolist()
-    return complex(x, y) + base, complex(factor[0], sum(factor[1:])), largest
+    x, y, *factor = found[0].tolist()
+    return complex(x, y) + base, complex(factor[0], sum(factor[1:])), found[1]
