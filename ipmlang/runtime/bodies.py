@@ -15,6 +15,7 @@ from dataclasses import replace
 from ipmlang.compiler import ir
 from ipmlang.runtime.algebra import Operand, Source
 from ipmlang.runtime.code import INFIX, SOUND, Names, doubtful, expression, source
+from ipmlang.runtime.content import Numbered
 from ipmlang.runtime.copied_bodies import chosen_symbols, walked
 from ipmlang.runtime.fields import FRAME, IDENTITY, LAG, UNSET
 from ipmlang.runtime.fields import SCOPE as SCOPE_FIELDS
@@ -32,8 +33,15 @@ from ipmlang.runtime.scopes import scope_bodies
 class Writer:
     """One function under construction. `quiet`: only the state matters, nothing is made."""
 
-    def __init__(self, setting: Setting, single: bool, tail: ir.Instruction | None = None) -> None:
+    def __init__(
+        self,
+        setting: Setting,
+        single: bool,
+        numbered: Numbered,
+        tail: ir.Instruction | None = None,
+    ) -> None:
         self._setting = setting
+        self.numbered = numbered
         self.program = setting.program
         self._single = single
         self._tail = tail
@@ -208,6 +216,7 @@ class Writer:
             lambda i: dict(scope.copies)[i],
             f"{scope.k0}, {scope.k1}",
             scope.numbers,
+            self.numbered.table,
         )
         args = [registers[arg] for arg in each.args]
         if each.op == "query":
@@ -298,6 +307,7 @@ class Writer:
     ) -> None:
         if self.quiet:
             return
+        own = self.numbered.symbol(symbol)
         asset, size = SEGMENT, [args[0], 0.0, 0.0] if each.op == "segment" else [0.0, 0.0, 0.0]
         shown = scope.shown
         if each.op == "emit":
@@ -306,27 +316,29 @@ class Writer:
             size = args if len(args) == 3 else size
         if asset == SCOPE and "geo" in state:
             size = [state[name] for name in ("sx", "sy", "sz")]
-            what = f"{symbol}, {source(state['geo'])}, {scope.count}, {shown}"
+            what = f"{own}, {source(state['geo'])}, {scope.count}, {shown}"
             shown = self.held(f"run.drawable({what})")
         parts = (self.values(size), self.values(state.values()))
+        drawn = self.numbered.asset(asset)
         if self._single:
             key = "k0, k1" if site == OWN else f"*child(k0, k1, {site})"
-            what = f"(rule, {symbol}, {asset}, *{parts[0]}, *{parts[1]}, {key})"
+            what = f"(rule, {own}, {drawn}, *{parts[0]}, *{parts[1]}, {key})"
             self.slots.append(self.held(f"~run.draw({what})"))
         else:
             where = f"{scope.k0}, {scope.k1}, {site}, {scope.tuple}"
-            what = f"{scope.count}, rule, {symbol}, {asset}, {parts[0]}, {parts[1]}, {where}"
+            what = f"{scope.count}, rule, {own}, {drawn}, {parts[0]}, {parts[1]}, {where}"
             self.slots.append(self.held(f"run.draw({what}, {shown}, {scope.around})"))
 
     def _make(
         self, symbol: int, scope: Scope, args: tuple[Operand, ...], site: int, state: State
     ) -> None:
         columns = f"{self.values(args)}, {self.values(state.values())}"
+        own = self.numbered.symbol(symbol)
         if self._single:
-            made = f"run.make({symbol}, child(k0, k1, {site}), rule, {columns})"
+            made = f"run.make({own}, child(k0, k1, {site}), rule, {columns})"
         else:
             where = f"{scope.k0}, {scope.k1}, {site}, {scope.tuple}"
-            made = f"run.make({scope.count}, {symbol}, rule, {columns}, {where}, {scope.shown})"
+            made = f"run.make({scope.count}, {own}, rule, {columns}, {where}, {scope.shown})"
         self.slots.append(self.held(made))
 
     def held(self, call: str) -> str:

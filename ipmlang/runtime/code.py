@@ -66,6 +66,7 @@ class Names:
     index: Callable[[int], str]
     keys: str  # the arguments of `uniform` before the site
     copies: str = ""  # and after it: the numbers of the copies
+    table: Callable[[int], str] = "data.tables[{}]".format  # its columns
 
 
 def expression(each: ir.Instruction, args: Sequence[str | float], names: Names) -> str | float:
@@ -82,7 +83,7 @@ def expression(each: ir.Instruction, args: Sequence[str | float], names: Names) 
         case "row":
             assert isinstance(each.const, tuple)
             table, column = each.const
-            return f"cell(data.tables[{table}][{column}], {args[0]!s})"
+            return f"cell({names.table(int(str(table)))}[{column}], {args[0]!s})"
         case "fetch":
             assert isinstance(each.const, tuple)
             context, channel = each.const

@@ -15,9 +15,10 @@ from ipmlang.runtime.bodies import Writer
 from ipmlang.runtime.chains import Chain, Drawing, tail_of, walk_of
 from ipmlang.runtime.choose import OVER, no_truth, out_of_range, over
 from ipmlang.runtime.code import compile_values, source
-from ipmlang.runtime.motion import State
+from ipmlang.runtime.content import KEPT, Content, Numbered
+from ipmlang.runtime.motion import State, mirrors
 from ipmlang.runtime.naming import OWN, Scope, Setting
-from ipmlang.runtime.primitives import UnscannableError, function, names_for
+from ipmlang.runtime.primitives import UnscannableError, bound, compiled, function, names_for
 
 Body: TypeAlias = Callable[..., tuple[object, ...]]
 Choose: TypeAlias = Callable[[tuple[float, ...], int, int], int]
@@ -29,6 +30,7 @@ class Compiled:
     def __init__(self, setting: Setting) -> None:
         self._setting = setting
         self._program = setting.program
+        self._mirrors = mirrors(setting.program)
         self._spaces = {single: names_for(single) for single in (False, True)}
         self._bodies: dict[tuple[int, bool], Body] = {}
         self._meanings: dict[tuple[int, bool], Body] = {}
@@ -54,9 +56,12 @@ class Compiled:
         found = self._bodies.get((number, single))
         if found is None:
             production = self.production(number)
-            writer = Writer(self._setting, single)
-            writer.body(production.body, _scope(production.parameters), self._state())
-            found = self._function(writer, production.parameters, single)
+            numbered, count = Numbered(self._setting), production.parameters
+
+            def write(writer: Writer) -> None:
+                writer.body(production.body, _scope(count), self._state())
+
+            found = self._made(numbered, numbered.content(production.body), write, count, single)
             self._bodies[number, single] = found
         return found
 
@@ -65,11 +70,15 @@ class Compiled:
         found = self._meanings.get((number, single))
         if found is None:
             symbol = self._program.symbols[number]
-            writer = Writer(self._setting, single)
-            scope = _scope(symbol.arity)
-            meaning = symbol.meaning or ()
-            writer.act(meaning, scope, scope.params, number, OWN, self._state())
-            found = self._function(writer, symbol.arity, single)
+            numbered, scope = Numbered(self._setting), _scope(symbol.arity)
+
+            def write(writer: Writer) -> None:
+                meaning = symbol.meaning or ()
+                writer.act(meaning, scope, scope.params, number, OWN, self._state())
+
+            numbered.symbol(number)
+            content = ("meaning", symbol.name, numbered.content(symbol.meaning or ()))
+            found = self._made(numbered, content, write, symbol.arity, single)
             self._meanings[number, single] = found
         return found
 
@@ -94,12 +103,33 @@ class Compiled:
             *(f"s_{name}" for name in self._setting.fields),
         ]
 
-    def _function(self, writer: Writer, parameters: int, single: bool) -> Body:
+    def _made(
+        self,
+        numbered: Numbered,
+        content: Content,
+        write: Callable[[Writer], None],
+        parameters: int,
+        single: bool,
+    ) -> Body:
+        """A function for what a body says; written only if no program before said the same."""
+        program = self._setting.program
+        around = (single, parameters, self._setting.fields, self._mirrors, program.scoped)
+        content = (around, content)
+        code = KEPT.get(content)
+        if code is None:
+            writer = Writer(self._setting, single, numbered)
+            write(writer)
+            code = compiled(*self._text(writer, parameters, single))
+            KEPT.keep(content, numbered.size, code)
+        return cast("Body", bound(code, self._space(single), numbered.space()))
+
+    def _text(
+        self, writer: Writer, parameters: int, single: bool
+    ) -> tuple[list[str], list[str], str]:
+        """The lines, arguments and result of what was written."""
         head = ["run", "rule", *([] if single else ["n"]), "k0", "k1"]
         result = "(" + "".join(f"{slot}, " for slot in writer.slots) + ")"
-        arguments = [*head, *self._arguments(parameters)]
-        made = function(writer.source.lines, arguments, result, self._space(single))
-        return cast("Body", made)
+        return writer.source.lines, [*head, *self._arguments(parameters)], result
 
     def _space(self, single: bool) -> dict[str, object]:
         return {**self._spaces[single], "data": self._setting.data}
@@ -201,7 +231,8 @@ class Compiled:
         tail = tail_of(production, symbol)
         if tail is None:
             return None
-        writer = Writer(self._setting, single=False, tail=tail)
+        numbered = Numbered(self._setting)
+        writer = Writer(self._setting, single=False, numbered=numbered, tail=tail)
         try:
             writer.chain(production.body, _scope(production.parameters), self._state())
         except UnscannableError:
@@ -210,12 +241,9 @@ class Compiled:
         head = ["run", "rule", "n", "counts", "owner", "k0", "k1"]
         slots = "".join(f"{slot}, " for slot in writer.slots)
         ended = "".join(f"{source(writer.ended[name])}, " for name in self._setting.fields)
-        body = function(
-            writer.source.lines,
-            [*head, *self._arguments(production.parameters)],
-            f"({slots}), ({ended})",
-            self._space(False),
-        )
+        arguments = [*head, *self._arguments(production.parameters)]
+        space = {**self._space(False), **numbered.space()}
+        body = function(writer.source.lines, arguments, f"({slots}), ({ended})", space)
         setting = self._setting
         walk = walk_of(production, tail, setting.attrs, setting.data, self._space(True))
         return Chain(numbers[0], walk, cast("Drawing", body))

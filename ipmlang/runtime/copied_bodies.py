@@ -60,13 +60,14 @@ def chosen_symbols(
     if found is None or assets is None:
         return 0
     if not writer.quiet:
+        called = writer.numbered
         leaves = [
-            (leaf.symbol, leaf.site, leaf.depth, asset)
+            f"({called.symbol(leaf.symbol)}, {leaf.site}, {leaf.depth}, {called.asset(asset)})"
             for leaf, asset in zip(found.leaves, assets, strict=True)
         ]
         said = source(scope.registers[found.register])
         words = f"({scope.k0}, {scope.k1}, {scope.tuple})"
-        what = f"{said}, {tuple(leaves)}, {writer.values(state.values())}, {words}"
+        what = f"{said}, ({', '.join(leaves)},), {writer.values(state.values())}, {words}"
         where = f"{scope.shown}, {scope.around}"
         call = writer.held(f"place_named(run, rule, {scope.count}, {what}, {where})")
         writer.slots.append(f"*{call}")

@@ -16,6 +16,15 @@ from ipmlang.runtime.primitives import UnscannableError
 State: TypeAlias = dict[str, Operand]
 
 
+def mirrors(program: ir.Program) -> bool:
+    """Whether a frame of a program may be mirrored."""
+    return any(
+        each.op == "mirror" or (each.op == "solid" and each.const == "mirrorScope")
+        for symbol in program.symbols
+        for each in symbol.meaning or ()
+    )
+
+
 class Motion:
     """Writes what frames become."""
 
@@ -30,11 +39,7 @@ class Motion:
         if isinstance(scale, float):
             return 1.0 if scale > 0 else -1.0
         if self._mirrors is None:
-            self._mirrors = any(
-                each.op == "mirror" or (each.op == "solid" and each.const == "mirrorScope")
-                for symbol in self._program.symbols
-                for each in symbol.meaning or ()
-            )
+            self._mirrors = mirrors(self._program)
         return self._write.let(f"copysign(1.0, {scale})") if self._mirrors else 1.0
 
     def moved(self, state: State, x: Operand, y: Operand, z: Operand) -> State:

@@ -49,23 +49,32 @@ def level(w: Column, i: Column, j: Column, k: Column, hand: Column) -> tuple[Col
     return rolled
 
 
+def compiled(lines: Sequence[str], params: Sequence[str], result: str) -> CodeType:
+    """The code of a function of its source."""
+    head = f"def body({', '.join(params)}):"
+    return _code("\n    ".join([head, *lines, f"return {result}"]))
+
+
+@lru_cache(maxsize=256)
+def _code(text: str) -> CodeType:
+    """Source compiled once, where bodies that say other things are written alike."""
+    return compile(text, "<production>", "exec")
+
+
 def function(
     lines: Sequence[str], params: Sequence[str], result: str, space: Mapping[str, object]
 ) -> Callable[..., object]:
     """A function of its source."""
-    head = f"def body({', '.join(params)}):"
-    text = "\n    ".join([head, *lines, f"return {result}"])
-    own = dict(space)
-    exec(_code(text), own)
+    return bound(compiled(lines, params, result), space)
+
+
+def bound(code: CodeType, *spaces: Mapping[str, object]) -> Callable[..., object]:
+    """A function of its code, with the names of its own that it may use."""
+    own = {name: each for space in spaces for name, each in space.items()}
+    exec(code, own)
     made = own["body"]
     assert callable(made)
     return made
-
-
-@lru_cache(maxsize=1024)
-def _code(text: str) -> CodeType:
-    """Source compiled once, however many programs have the same body: an edit changes few."""
-    return compile(text, "<production>", "exec")
 
 
 def names_for(single: bool) -> dict[str, object]:

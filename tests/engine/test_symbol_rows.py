@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from ipmlang.compiler import compile_file, ir
-from ipmlang.runtime import copied_bodies, derive
+from ipmlang.runtime import compiled, copied_bodies, derive
+from ipmlang.runtime.content import Kept
 from ipmlang.runtime.lineage import Lineage
 from ipmlang.runtime.numpy_backend import derive_frontier
 from ipmlang.runtime.scene import Scene
@@ -50,6 +51,12 @@ COLUMNS = (
     "layer",
     "style",
 )
+
+
+@pytest.fixture(autouse=True)
+def _nothing_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bodies are written anew each time: these tests change how."""
+    monkeypatch.setattr(compiled, "KEPT", Kept(0))
 
 
 def made(folder: Path, text: str) -> ir.Program:
