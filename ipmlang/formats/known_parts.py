@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import hashlib
 from collections import OrderedDict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache as remember
 from pathlib import Path
@@ -22,6 +22,7 @@ from ipmlang.formats.mesh_types import Mesh, baked
 
 FILES = 8  # that are remembered
 MOST_BYTES = 4_000_000  # of a file that is remembered
+MOST_CORNERS = 1_000_000  # of all parts of a file: small ones say large meshes by their copies
 OTHERS = {".obj": (b"mtllib", b"map_"), ".glb": (b'"uri"',)}  # what names other files
 
 Part: TypeAlias = tuple[Mesh, tuple[Note, ...]]
@@ -58,10 +59,18 @@ def part_meshes(path: Path, nodes: Sequence[str | None]) -> list[Part]:
     known = _known(path)
     if known is None:
         return _read(path, nodes)
-    missing = [node for node in dict.fromkeys(nodes) if node not in known.parts]
+    found = {node: known.parts[node] for node in nodes if node in known.parts}
+    missing = [node for node in dict.fromkeys(nodes) if node not in found]
     if missing:
-        known.parts.update(zip(missing, map(_fixed, _read(path, missing)), strict=True))
-    return [known.parts[node] for node in nodes]
+        read = dict(zip(missing, _read(path, missing), strict=True))
+        found |= read
+        if _corners(known.parts) + _corners(read) <= MOST_CORNERS:
+            known.parts.update({node: _fixed(part) for node, part in read.items()})
+    return [found[node] for node in nodes]
+
+
+def _corners(parts: Mapping[str | None, Part]) -> int:
+    return sum(len(mesh.corners) for mesh, _ in parts.values())
 
 
 def _read(path: Path, nodes: Sequence[str | None]) -> list[Part]:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ipmlang.formats import FormatError, obj_read
+from ipmlang.formats import FormatError, known_parts, obj_read
 from ipmlang.formats.known_parts import FILES, part_meshes, part_names
 
 TWO = "o near\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no far\nv 0 0 9\nv 1 0 9\nv 0 1 9\nf 4 5 6\n"
@@ -93,3 +93,14 @@ def test_corners_written_in_several_ways(tmp_path: Path) -> None:
         with pytest.raises(FormatError, match="corner of a face") as found:
             obj_read._mixed_table(at, [*texts[:3], wrong])
         assert found.value.line == 4
+
+
+def test_parts_that_are_large_together_are_not_kept(
+    tmp_path: Path, reads: list[Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(known_parts, "MOST_CORNERS", 5)
+    path = written(tmp_path / "a.obj", TWO)
+    for nodes in (["near"], ["far", "near"], ["near", "far"]):
+        heights = [mesh.vertices[0, 2] for mesh, _ in part_meshes(path, nodes)]
+        assert heights == [9.0 if node == "far" else 0.0 for node in nodes]
+    assert len(reads) == 3, "near is kept, far is one too many"
