@@ -124,11 +124,14 @@ def test_a_pipe_that_nobody_reads_is_no_trouble(folder: Path) -> None:
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are different there")
 @pytest.mark.parametrize("number", ["SIGINT", "SIGTERM"])
 def test_a_stopped_command_says_so_and_leaves_nothing(number: str, folder: Path) -> None:
-    """The grammar is read from a pipe, so that the command is surely at work when it is stopped."""
+    """The grammar is read from a pipe, so that the command is surely at work when it is stopped.
+    Where the tests run in the background of a shell, the command must not inherit that it is deaf.
+    """
     os.mkfifo(folder / "waiting.ipm")
     process = subprocess.Popen(
         [*COMMAND, "run", "waiting.ipm", "-o", "x.svg"],
         cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        preexec_fn=lambda: signal.signal(getattr(signal, number), signal.SIG_DFL),
     )  # fmt: skip
     with (folder / "waiting.ipm").open("w"):  # opens once the command reads
         process.send_signal(getattr(signal, number))
