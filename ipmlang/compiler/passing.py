@@ -7,13 +7,14 @@ else in another, where a repeat or a local name hides it. Nothing is looked up o
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TypeVar
 
 from ipmlang.compiler import ast
 
 Node = TypeVar("Node", bound=Hashable)
+Key = TypeVar("Key", bound=Hashable)
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +72,33 @@ def leaves(expr: ast.Expr) -> Iterator[ast.Expr]:
         yield from leaves(expr.other)
     else:
         yield expr
+
+
+def symbols_taken(
+    rules: Iterable[tuple[Key, Passing, Callable[[str, int], Key]]],
+) -> dict[Key, frozenset[int]]:
+    """Which parameters of which rules are symbols. In go the key of each rule, what it does with
+    its parameters, and which key a name with so many arguments has where the rule stands.
+
+    >>> from ipmlang.compiler.parse import parse_item
+    >>> rules = (parse_item(text).item for text in ("Row(s, n) --> s", "Hall(a, s) --> Row(s, a)"))
+    >>> keyed = [((one.head.name, 2), passing(one), lambda name, arity: (name, arity))
+    ...          for one in rules]
+    >>> sorted((name, sorted(numbers)) for (name, _), numbers in symbols_taken(keyed).items())
+    [('Hall', [1]), ('Row', [0])]
+    """
+    placed: list[tuple[Key, int]] = []
+    passed: list[tuple[tuple[Key, int], tuple[Key, int]]] = []
+    for own, found, called in rules:
+        placed += ((own, number) for number in found.placed)
+        passed += (
+            ((own, each.parameter), (called(each.name, each.arity), each.argument))
+            for each in found.passed
+        )
+    taken: dict[Key, frozenset[int]] = {}
+    for own, number in symbols_among(placed, passed) if placed else ():
+        taken[own] = taken.get(own, frozenset()) | {number}
+    return taken
 
 
 def symbols_among(placed: Iterable[Node], passed: Iterable[tuple[Node, Node]]) -> frozenset[Node]:

@@ -14,7 +14,7 @@ from typing import TypeAlias, TypeVar, assert_never, cast
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.ops import FUNCTIONS, OPERATIONS
-from ipmlang.compiler.passing import leaves, passing, symbols_among
+from ipmlang.compiler.passing import leaves, passing, symbols_taken
 from ipmlang.compiler.places import SHAPE
 from ipmlang.compiler.tokens import is_free_name
 
@@ -107,21 +107,11 @@ def _hides(item: ast.Item, name: str) -> bool:
 
 def taking(grammar: ast.Grammar) -> dict[tuple[str, int], frozenset[int]]:
     """Which arguments of the rules of a grammar are symbols, by name and number of arguments."""
-    placed: list[tuple[str, int, int]] = []
-    passed: list[tuple[tuple[str, int, int], tuple[str, int, int]]] = []
-    for rule in grammar.items:
-        if not isinstance(rule, ast.Rule):
-            continue
-        own, found = (rule.head.name, len(rule.head.parameters)), passing(rule)
-        placed += ((*own, number) for number in found.placed)
-        passed += (
-            ((*own, each.parameter), (each.name, each.arity, each.argument))
-            for each in found.passed
-        )
-    taken: dict[tuple[str, int], frozenset[int]] = {}
-    for name, arity, number in symbols_among(placed, passed):
-        taken[name, arity] = taken.get((name, arity), frozenset()) | {number}
-    return taken
+    return symbols_taken(
+        ((rule.head.name, len(rule.head.parameters)), passing(rule), lambda *called: called)
+        for rule in grammar.items
+        if isinstance(rule, ast.Rule)
+    )
 
 
 def placed_names(grammar: ast.Grammar) -> set[str]:

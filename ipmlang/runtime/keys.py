@@ -76,12 +76,6 @@ def child_single(k0: int, k1: int, site: int, *copies: int) -> tuple[int, int]:
     return k0, k1
 
 
-def copy_single(k0: int, k1: int, index: int) -> tuple[int, int]:
-    """What `copy` gives, for one key."""
-    k0, k1, _ = pcg3d_single(k0, k1, index)
-    return k0, k1
-
-
 def uniform_single(k0: int, k1: int, site: int, *copies: int) -> float:
     """What `uniform` gives, for one key."""
     high, _ = child_single(k0, k1, site ^ DRAW_BIT, *copies)

@@ -38,7 +38,7 @@ def test_batches_and_single_numbers_have_the_same_bits(
         chosen = keys.choice(k0, k1)
     for i, (a, b, c) in enumerate(rows):
         assert (first[i], second[i]) == keys.child_single(a, b, site, c)
-        assert (copied[0][i], copied[1][i]) == keys.copy_single(a, b, c)
+        assert (copied[0][i], copied[1][i]) == keys.child_single(a, b, c)
         assert draws[i] == keys.uniform_single(a, b, site, c, 3)
         assert chosen[i] == keys.choice_single(a, b)
 

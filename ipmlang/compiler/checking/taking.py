@@ -7,8 +7,9 @@ places. A symbol that is given is an asset, a rule without parameters, or a term
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TypeAlias
 
 from ipmlang.compiler import ast
@@ -18,41 +19,28 @@ from ipmlang.compiler.checking.findings import CallSite, Findings, Key
 from ipmlang.compiler.checking.groups import Group
 from ipmlang.compiler.diagnostics import Diagnostic
 from ipmlang.compiler.ops import OPERATIONS
-from ipmlang.compiler.passing import context_modules, symbols_among
+from ipmlang.compiler.passing import Passing, context_modules, symbols_taken
 from ipmlang.compiler.places import row_of
 from ipmlang.compiler.types import PHRASES, fits
 
-Node: TypeAlias = tuple[int, str, int, int]  # an environment, a name in it, how many, which one
-Taken: TypeAlias = Mapping[tuple[int, str, int], frozenset[int]]
+_Known: TypeAlias = tuple[int, str, int]  # an environment, a name in it, how many arguments
+Taken: TypeAlias = Mapping[_Known, frozenset[int]]
 
 
 def taken_by(groups: Sequence[Group]) -> Taken:
     """Which parameters of the rules of all files are symbols."""
-    placed: list[Node] = []
-    passed: list[tuple[Node, Node]] = []
-    for group in groups:
-        for rule, findings in _rules(group):
-            if findings.passing is None:
-                continue
-            own = _key(group.environment, rule.head.name, len(rule.head.parameters))
-            placed += ((*own, number) for number in findings.passing.placed)
-            for each in findings.passing.passed:
-                taker = (*_key(group.environment, each.name, each.arity), each.argument)
-                passed.append(((*own, each.parameter), taker))
-    found: dict[tuple[int, str, int], frozenset[int]] = {}
-    for owner, symbol, arity, number in symbols_among(placed, passed) if placed else ():
-        known = (owner, symbol, arity)
-        found[known] = found.get(known, frozenset()) | {number}
-    return found
+    return symbols_taken(use for group in groups for use in _uses(group))
 
 
-def _rules(group: Group) -> Iterator[tuple[ast.Rule, Findings]]:
+def _uses(group: Group) -> Iterator[tuple[_Known, Passing, Callable[[str, int], _Known]]]:
+    """The rules of a file that have parameters, with what they do with them."""
+    called = partial(_key, group.environment)
     for item, findings in zip(group.file.grammar.items, group.findings, strict=True):
-        if isinstance(item, ast.Rule):
-            yield item, findings
+        if isinstance(item, ast.Rule) and findings.passing is not None:
+            yield called(item.head.name, len(item.head.parameters)), findings.passing, called
 
 
-def _key(environment: Environment, name: str, arity: int) -> tuple[int, str, int]:
+def _key(environment: Environment, name: str, arity: int) -> _Known:
     """A symbol as the file knows it that a dotted name leads to."""
     head, dot, rest = name.partition(".")
     while dot:

@@ -8,17 +8,17 @@ symbol that it may be with the condition under which it is. So a program knows n
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 from typing import TypeAlias
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.lower.expr import Code, Environment, Known, Named, Operand, Row
-from ipmlang.compiler.lower.names import Place, Unit
+from ipmlang.compiler.lower.names import Unit
 from ipmlang.compiler.ops import OPERATIONS, OPERATORS
-from ipmlang.compiler.passing import passing, symbols_among
+from ipmlang.compiler.passing import Passing, passing, symbols_taken
 from ipmlang.compiler.places import SHAPE, row_of
 
 Key: TypeAlias = tuple[int, str, int]  # a unit, a name in it, how many arguments
-_Node: TypeAlias = tuple[int, str, int, int]  # of these one argument
 Bound: TypeAlias = tuple[Named | None, ...]  # of each argument the symbol, None: it is a value
 Put: TypeAlias = Callable[[Code, Named], None]  # what is to be written for a symbol
 
@@ -27,37 +27,30 @@ class Takers:
     """Which rules of some units take symbols."""
 
     def __init__(self, units: Iterable[Unit]) -> None:
-        placed: list[_Node] = []
-        passed: list[tuple[_Node, _Node]] = []
-        for unit in units:
-            for name, place in _rules(unit):
-                rule = place.unit.grammar.items[place.item]
-                if not isinstance(rule, ast.Rule) or not rule.head.parameters:
-                    continue
-                own = (id(unit), plain(name), len(rule.head.parameters))
-                found = passing(rule)
-                placed += ((*own, number) for number in found.placed)
-                for each in found.passed:
-                    other, called = place.unit.within(each.name)
-                    taker = (id(other), plain(called), each.arity, each.argument)
-                    passed.append(((*own, each.parameter), taker))
-        self._found: dict[Key, frozenset[int]] = {}
-        for owner, symbol, arity, number in symbols_among(placed, passed) if placed else ():
-            known = (owner, symbol, arity)
-            self._found[known] = self._found.get(known, frozenset()) | {number}
+        self._found = symbols_taken(use for unit in units for use in _uses(unit))
 
     def of(self, unit: Unit, name: str, arity: int) -> frozenset[int]:
         """Which of the arguments of a symbol, as a unit calls it, are symbols."""
         if not arity or not self._found:
             return frozenset()
-        owner, own = unit.within(name)
-        return self._found.get((id(owner), plain(own), arity), frozenset())
+        return self._found.get(_key(unit, name, arity), frozenset())
 
 
-def _rules(unit: Unit) -> Iterator[tuple[str, Place]]:
+def _uses(unit: Unit) -> Iterator[tuple[Key, Passing, Callable[[str, int], Key]]]:
+    """The rules that a unit knows and that have parameters, with what they do with them."""
     for named in (unit.rules, unit.interpretations):
         for name, places in named.items():
-            yield from ((name, place) for place in places)
+            for place in places:
+                rule = place.unit.grammar.items[place.item]
+                if isinstance(rule, ast.Rule) and rule.head.parameters:
+                    own = (id(unit), plain(name), len(rule.head.parameters))
+                    yield own, passing(rule), partial(_key, place.unit)
+
+
+def _key(unit: Unit, name: str, arity: int) -> Key:
+    """A symbol as the unit knows it that a name leads to."""
+    owner, own = unit.within(name)
+    return id(owner), plain(own), arity
 
 
 def plain(name: str) -> str:
