@@ -100,13 +100,12 @@ def check(files: tuple[Path, ...], allow_outside: bool, as_json: bool) -> None:
     Example:
       ipmlang check garden.ipm
     """
-    from ipmlang.compiler import check as check_grammar
-    from ipmlang.compiler import load
+    from ipmlang.compiler import diagnose, load
 
     found: list[Diagnostic] = []
     for path in files:
         try:
-            found += check_grammar(load(path, allow_outside=allow_outside)).diagnostics
+            found += diagnose(load(path, allow_outside=allow_outside))
         except IpmError as error:
             found += error.diagnostics
     errors = [each for each in found if each.severity == "error"]

@@ -8,8 +8,10 @@ reads files, and nothing here derives, infers or prints.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
+from ipmlang.compiler.ast import Start
 from ipmlang.compiler.check import check
 from ipmlang.compiler.checked import Checked
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail
@@ -18,7 +20,34 @@ from ipmlang.compiler.load import Loaded, load, load_text
 from ipmlang.compiler.lower import lower
 from ipmlang.compiler.verify import verify
 
-__all__ = ["check", "compile_file", "compile_loaded", "compile_text", "load", "lower", "verify"]
+__all__ = [
+    "check",
+    "compile_file",
+    "compile_loaded",
+    "compile_text",
+    "diagnose",
+    "load",
+    "lower",
+    "verify",
+]
+
+
+def diagnose(loaded: Loaded) -> tuple[Diagnostic, ...]:
+    """All that is wrong with loaded files, whether checking finds it or only making a program of
+    them; what no executor runs yet is a warning.
+    """
+    checked = check(loaded)
+    told = checked.diagnostics
+    started = any(isinstance(item, Start) for item in loaded.files[0].grammar.items)
+    if started and not any(each.severity == "error" for each in told):
+        try:
+            lower(checked)
+        except IpmError as error:
+            told += tuple(
+                replace(each, severity="warning") if each.code == "not-executable" else each
+                for each in error.diagnostics
+            )
+    return told
 
 
 def compile_file(

@@ -120,6 +120,18 @@ def test_check_reports_every_error_with_its_place(tmp_path: Path) -> None:
     assert {2, 3} <= lines
 
 
+def test_check_tells_what_only_making_the_program_shows(tmp_path: Path) -> None:
+    grammar = tmp_path / "wall.ipm"
+    grammar.write_text("ipm 1\nA --> extrude(3) B box\nB --> f(2) C box\nC --> f(1) box\nstart A\n")
+    commands = (("check", grammar), ("run", grammar, "-o", "wall.glb"))
+    found = [ipmlang(*words, folder=tmp_path) for words in commands]
+    assert [each.returncode for each in found] == [1, 1]
+    assert all("error[misplaced]: `B` moves the turtle" in each.stderr for each in found)
+    grammar.write_text("ipm 1\nA --> F\nstart A seeds 4\n")
+    told = ipmlang("check", grammar, folder=tmp_path)
+    assert (told.returncode, "warning[not-executable]" in told.stderr) == (0, True)
+
+
 def test_fmt_is_stable(fence: Path, tmp_path: Path) -> None:
     assert ipmlang("fmt", fence, folder=tmp_path).returncode == 0
     assert ipmlang("fmt", "--check", fence, folder=tmp_path).returncode == 0

@@ -343,7 +343,7 @@ class Lowering:
             message += "string: scopes come through it"
             hint = f"put brackets around it, [ {name} ], or make a rule of its own of this part, "
             hint += "without operations on scopes"
-        raise unit.error(item, span, "not-executable", message, hint)
+        raise unit.error(item, span, "misplaced", message, hint)
 
     def _raise_refused(self) -> None:
         """One error an operation, at its first use; the others are counted."""
