@@ -76,19 +76,26 @@ class Tabled:
         """Tokens of `counts` neighbours from each of the rows (k,) on, rising, which a rule takes
         out, less what the tables that it tears apart spared.
         """
+        return float(self.saved_by(rows, counts, np.zeros(1, np.int64))[0])
+
+    def saved_by(self, rows: Integers, counts: Integers, begin: Integers) -> Floats:
+        """(g,) the same of rules one by one, each of the rows from one of `begin` (g,) on."""
         after = rows + counts
         parts = self.total[after] - self.total[rows] - self.spared[after] + self.spared[rows]
-        other = self.begin[rows[1:]] != self.begin[rows[:-1]]
-        first = np.concatenate([[True], other])
-        from_row = np.where(first, self.begin[rows], np.roll(after, 1))
-        last = np.concatenate([other, [True]])
-        torn = self._torn(from_row, rows) + self._torn(after, np.where(last, self.end[rows], after))
-        return float(parts.sum() - torn)
+        other = np.ones(len(rows) + 1, np.bool_)
+        other[1:-1] = self.begin[rows[1:]] != self.begin[rows[:-1]]
+        other[begin] = True
+        from_row = np.empty_like(after)
+        from_row[1:] = after[:-1]
+        from_row[other[:-1]] = self.begin[rows[other[:-1]]]
+        torn = self._torn(from_row, rows)
+        torn += self._torn(after, np.where(other[1:], self.end[rows], after))
+        return np.asarray(np.add.reduceat(parts, begin) - np.add.reduceat(torn, begin))
 
-    def _torn(self, begin: Integers, end: Integers) -> float:
-        """What is no longer spared in pieces that are too short for a table."""
+    def _torn(self, begin: Integers, end: Integers) -> Floats:
+        """What is no longer spared in each piece that is too short for a table."""
         short = (end > begin) & (end - begin < TABLE_ROWS)
-        return float((self.spared[end[short]] - self.spared[begin[short]]).sum())
+        return np.where(short, self.spared[end] - self.spared[begin], 0.0)
 
 
 def tabled(placed: Frames, other: NDArray[np.bool_], small: float) -> Tabled:

@@ -50,13 +50,3 @@ class Edit:
         changed = replaced(changed, rows, join([lead for _, lead in self._new]))
         string = Arrangement(self.symbol, changed, self.string.start, self.string.wrap)
         return joined([string[self.keep], *self.bodies])
-
-
-def apart(first: Integers, rows: Integers) -> Integers:
-    """Without rows whose pair overlaps the one taken before it, from left to right."""
-    at = first[rows]
-    if len(at) < 2 or not (np.diff(at) == 1).any():
-        return rows
-    new = np.concatenate([[True], np.diff(at) != 1])
-    since = np.arange(len(at)) - np.maximum.accumulate(np.where(new, np.arange(len(at)), 0))
-    return np.asarray(rows[since % 2 == 0])

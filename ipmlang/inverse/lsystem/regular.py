@@ -31,8 +31,8 @@ def regular_frames(alphabet: Alphabet, arrangement: Arrangement, stretch: Intege
     """
     placed = _same_handed(alphabet, arrangement)
     inner = np.concatenate([[False], stretch[1:] == stretch[:-1]])
-    order = np.array([_rotations(each.stabiliser, each.free) for each in alphabet.definitions])
-    cell = 360.0 / np.maximum(order, 1)[arrangement.symbol]
+    order = _orders(alphabet, arrangement.symbol)
+    cell = 360.0 / order
     turn = np.diff(placed.angle, prepend=0.0)
     before = np.roll(placed.handedness, 1)
     local = before * turn
@@ -46,22 +46,27 @@ def regular_frames(alphabet: Alphabet, arrangement: Arrangement, stretch: Intege
 
 
 def further_turned(
-    alphabet: Alphabet, arrangement: Arrangement, regular: Frames
+    alphabet: Alphabet, symbol: Integers, regular: Frames, index: Integers
 ) -> Iterator[tuple[Frames, NDArray[np.bool_]]]:
-    """The frames that turn by one, two, … more of a symbol's own rotations at each row, and which
-    rows (n,) have so many: seeds of a sunflower turn by 137.5°, which is -42.5° for an ellipse.
+    """The frames that turn by one, two, … more of a symbol's own rotations from one index (n,) to
+    the next, and which rows (n,) have so many: seeds of a sunflower turn by 137.5°, which is -42.5°
+    for an ellipse.
     """
-    order = np.array([_rotations(each.stabiliser, each.free) for each in alphabet.definitions])
-    index = np.arange(len(arrangement))
+    order = _orders(alphabet, symbol)
     for more in range(1, min(MOST_ROTATIONS, int(order.max(initial=1)))):
-        rows = order[arrangement.symbol] > more
-        if rows.any():
-            steps = np.where(rows, more * index, 0)
-            yield _spun(alphabet, arrangement.symbol, regular, steps, order), rows
+        rows = order > more
+        steps = np.where(rows, more * index, 0)
+        yield _spun(alphabet, symbol, regular, steps, order), rows
 
 
-def _rotations(stabiliser: Frames, free: bool) -> int:
-    return 1 if free else int((stabiliser.handedness > 0).sum())
+def _orders(alphabet: Alphabet, symbol: Integers) -> Integers:
+    """(n,) how many rotations keep each symbol, 1 for circles."""
+    known, which = np.unique(symbol, return_inverse=True)
+    order = [
+        1 if each.free else int((each.stabiliser.handedness > 0).sum())
+        for each in (alphabet[number] for number in known.tolist())
+    ]
+    return np.maximum(np.array(order, np.int64), 1)[which.ravel()]
 
 
 def _same_handed(alphabet: Alphabet, arrangement: Arrangement) -> Frames:
@@ -74,7 +79,7 @@ def _same_handed(alphabet: Alphabet, arrangement: Arrangement) -> Frames:
         if len(mirrors):
             mirror = definition.stabiliser[mirrors[:1]]
             result = replaced(result, rows, compose(result[rows], mirror))
-    free = np.array([each.free for each in alphabet.definitions])[arrangement.symbol]
+    free = alphabet.frees[arrangement.symbol]
     angle = np.where(free & (result.handedness > 0), 0.0, result.angle)
     return Frames(result.x, result.y, angle, result.scale, result.handedness)
 
@@ -82,8 +87,8 @@ def _same_handed(alphabet: Alphabet, arrangement: Arrangement) -> Frames:
 def _spun(
     alphabet: Alphabet, symbol: Integers, placed: Frames, steps: Integers, order: Integers
 ) -> Frames:
-    """Frames after so many of the symbol's own rotations."""
-    changed = np.flatnonzero(steps % np.maximum(order, 1)[symbol])
+    """Frames after so many of the symbol's own rotations; order: (n,) how many there are."""
+    changed = np.flatnonzero(steps % order)
     for each in np.unique(symbol[changed]).tolist():
         rows = changed[symbol[changed] == each]
         known = alphabet[each].stabiliser

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ipmlang.inverse.lsystem.candidates import Candidate
 from ipmlang.inverse.lsystem.clusters import cluster, members
-from ipmlang.inverse.lsystem.edits import Edit, apart
+from ipmlang.inverse.lsystem.edits import Edit
 from ipmlang.inverse.lsystem.fits import Fits
 from ipmlang.inverse.lsystem.frames import (
     Frames,
@@ -25,14 +25,14 @@ from ipmlang.inverse.lsystem.frames import (
     identity,
     inverse,
     join,
-    wrap,
 )
 from ipmlang.inverse.lsystem.importance import Measure
 from ipmlang.inverse.lsystem.journal import Journal, Outcome
 from ipmlang.inverse.lsystem.motifs import Motif, find_motifs, motif_leads, relative_places
+from ipmlang.inverse.lsystem.neighbours import pair_candidates
 from ipmlang.inverse.lsystem.patterns import Pattern
 from ipmlang.inverse.lsystem.sequences import Run, find_runs
-from ipmlang.inverse.lsystem.spaces import Pairs, pair_spaces
+from ipmlang.inverse.lsystem.spaces import Pairs, Steps, pair_spaces
 from ipmlang.inverse.lsystem.symbols import (
     Alphabet,
     Arrangement,
@@ -78,6 +78,7 @@ class Search:
     journal: Journal = field(default_factory=Journal)
     trees: TreeSearch = field(default_factory=TreeSearch)
     fits: Fits = field(default_factory=Fits)
+    steps: Steps = field(default_factory=Steps)
 
     def run(self) -> Arrangement:
         """Replace until nothing pays; the string that is left becomes the axiom."""
@@ -97,7 +98,10 @@ class Search:
 
     def _round(self) -> bool:
         pairs, steps, loose = self._labels()
-        candidates = self._pairs(pairs, steps) + self._motifs(pairs, loose) + self._sequences()
+        # What a table could hold is cheap: a few pairs in it by chance are not worth a rule.
+        cost, small = self._tabled(), self.alphabet.tolerance
+        candidates = pair_candidates(pairs, steps, cost, small, 1.0)
+        candidates += self._motifs(pairs, loose, cost) + self._sequences(cost)
         candidates += self._trees()
         if not candidates:
             return False
@@ -162,7 +166,8 @@ class Search:
         """
         assert self.measure is not None
         pairs, steps, _ = self._labels()
-        candidates = self._pairs(pairs, steps, -np.inf) + self._lone_pairs()
+        cost, small = self._tabled(), self.alphabet.tolerance
+        candidates = pair_candidates(pairs, steps, cost, small, -np.inf) + self._lone_pairs()
         clusters = [each.cluster() for each in candidates]
         terms = self.measure.terms(self.alphabet, self.string, clusters)
         weights = self.options.weights
@@ -192,27 +197,10 @@ class Search:
         """The pairs of neighbours, with numbers that are equal for equal steps, and for steps that
         are equal as far as the first symbol's extent lets its direction be known.
         """
-        pairs = pair_spaces(self.alphabet, self.string)
+        pairs = pair_spaces(self.alphabet, self.string, self.steps)
         values, slack = pairs.values(self.alphabet, self.string)
         loose = slack * pairs.leverage(self.alphabet, self.string)[:, None]
         return pairs, cluster(pairs.spaces, values, slack), cluster(pairs.spaces, values, loose)
-
-    def _pairs(self, pairs: Pairs, labels: Integers, least: float = 1.0) -> list[Candidate]:
-        # What a table could hold is cheap: a few pairs in it by chance are not worth a rule.
-        cost = self._tabled()
-        found = []
-        for rows in members(labels, 2):
-            rows = apart(pairs.first, rows)
-            if len(rows) < 2:
-                continue
-            step = _middle(pairs, rows)
-            first = pairs.first[rows]
-            left = placement_tokens(pairs.lead[rows], self.alphabet.tolerance).sum()
-            rule = HEAD + 1 + int(placement_tokens(step, self.alphabet.tolerance)[0])
-            gain = cost.saved(first, np.full(len(first), 2)) - float(left + rule)
-            if gain >= least:
-                found.append(Candidate(gain, int(first[0]), first, pairs.lead[rows], step))
-        return found
 
     def _tabled(self) -> Tabled:
         """What the string takes if no more rules are made: a table holds one symbol and hand."""
@@ -252,12 +240,12 @@ class Search:
 
     # ----------------------------------------------------------------- motifs
 
-    def _motifs(self, pairs: Pairs, labels: Integers) -> list[Candidate]:
+    def _motifs(self, pairs: Pairs, labels: Integers, cost: Tabled) -> list[Candidate]:
         steps = -1 - np.arange(max(0, len(self.string) - 1))
         steps[pairs.first] = labels
         return [
             Candidate(each.gain, int(each.rows[0]), each.rows, identity(0), motif=each)
-            for each in find_motifs(self.string, steps, self._tabled(), self.alphabet.tolerance)
+            for each in find_motifs(self.string, steps, cost, self.alphabet.tolerance)
         ]
 
     def _take_motif(self, motif: Motif, edit: Edit) -> Outcome:
@@ -314,12 +302,11 @@ class Search:
 
     # -------------------------------------------------------------- sequences
 
-    def _sequences(self) -> list[Candidate]:
+    def _sequences(self, cost: Tabled) -> list[Candidate]:
         runs = find_runs(self.alphabet, self.string, self.fits)
         if not runs:
             return []
         labels = self._run_clusters(runs)
-        cost = self._tabled()
         found = []
         for rows in members(labels, 1):
             same = [runs[row] for row in rows.tolist()]
@@ -348,7 +335,7 @@ class Search:
         values = np.array([run.pattern.numbers for run in runs])
         scale = np.concatenate([run.lead.scale for run in runs])
         count = np.array([run.count for run in runs])
-        reach = np.array([self.alphabet[int(each)].radius for each in symbol])
+        reach = self.alphabet.radii[symbol]
         room = self.alphabet.tolerance / (scale * count)
         arm = np.maximum(np.maximum(reach, np.abs(values[:, 1])), self.alphabet.tolerance)
         turn, factor = np.rad2deg(room / arm), room / arm
@@ -399,15 +386,6 @@ class Search:
             elif outcome == "overlaps":
                 outcome = "not exact"
         return outcome
-
-
-def _middle(pairs: Pairs, rows: Integers) -> Frames:
-    """The mean of equal steps."""
-    step = pairs.step[rows]
-    angle = step.angle[:1] + np.mean(wrap(step.angle - step.angle[0]))
-    return frames(
-        np.array([step.position.mean()]), angle, float(step.scale.mean()), step.handedness[:1]
-    )
 
 
 def _shared_pattern(patterns: list[Pattern]) -> Pattern:

@@ -30,6 +30,7 @@ from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers
 
 Booleans = NDArray[np.bool_]
 
+LEAST = 3  # members of a run
 LEAST_CURVED = 6  # members of a run whose steps change
 LEAST_ROOTED = 8
 MOST_RUNS = 100  # of one kind in one round
@@ -81,14 +82,16 @@ def find_runs(alphabet: Alphabet, arrangement: Arrangement, fits: Fits | None = 
     """All longest runs of three members or more, rows before rings before spirals; fits: what was
     fitted in earlier rounds, which this one adds to.
     """
-    if len(arrangement) < 3:
-        return []
     stretch = stretches(arrangement)
+    rows = np.flatnonzero(np.bincount(stretch)[stretch] >= LEAST)
+    if not len(rows):
+        return []
+    stretch, string = stretch[rows], arrangement[rows]
     field = Field(
-        regular_frames(alphabet, arrangement, stretch),
+        regular_frames(alphabet, string, stretch),
         stretch,
-        np.array([each.radius for each in alphabet.definitions])[arrangement.symbol],
-        np.array([each.free for each in alphabet.definitions])[arrangement.symbol],
+        alphabet.radii[string.symbol],
+        alphabet.frees[string.symbol],
         3 * alphabet.tolerance,
         Fits() if fits is None else fits,
     )
@@ -96,11 +99,11 @@ def find_runs(alphabet: Alphabet, arrangement: Arrangement, fits: Fits | None = 
     runs += _listed_runs(field, alphabet.tolerance)
     runs += _turtle_runs(field)
     runs += _polar_runs(field)
-    for turned, rows in further_turned(alphabet, arrangement, field.regular):
-        apart = np.where(rows, stretch, -1 - np.arange(len(stretch)))
+    for turned, those in further_turned(alphabet, string.symbol, field.regular, rows):
+        apart = np.where(those, stretch, -1 - np.arange(len(stretch)))
         runs += _polar_runs(replace(field, regular=turned, stretch=apart))
     runs += _round_runs(field)
-    return runs
+    return [replace(run, first=int(rows[run.first])) for run in runs]
 
 
 def _blocks(fits: Booleans, more: int) -> Iterator[tuple[int, int]]:

@@ -8,7 +8,7 @@ n points, not n². Nothing here decides which points become rules.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from ipmlang.inverse.lsystem.frames import (
     frames,
     identity,
     inverse,
+    join,
     replaced,
 )
 from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers
@@ -48,7 +49,7 @@ class Pairs:
         The four of the paper (α, d, s, β), as two vectors so that no angle wraps around: where the
         second symbol stands, and where its rim is; and its handedness.
         """
-        rim = np.array([max(each.radius, alphabet.tolerance) for each in alphabet.definitions])
+        rim = np.maximum(alphabet.radii, alphabet.tolerance)
         arm = self.step.factor * rim[arrangement.symbol[self.first + 1]]
         at = self.step.position
         values = np.stack([self.step.handedness, at.real, at.imag, arm.real, arm.imag], axis=1)
@@ -60,39 +61,73 @@ class Pairs:
         """(m,) how many times a rounding of the first symbol is seen where the second one is: a
         short line tells its direction badly.
         """
-        radius = np.array([max(each.radius, alphabet.tolerance) for each in alphabet.definitions])
+        radius = np.maximum(alphabet.radii, alphabet.tolerance)
         first, second = arrangement.symbol[self.first], arrangement.symbol[self.first + 1]
         far = np.abs(self.step.position) + radius[second] * self.step.scale
         return np.asarray(1 + np.minimum(far / radius[first], MOST_LEVERAGE))
 
 
-def pair_spaces(alphabet: Alphabet, arrangement: Arrangement) -> Pairs:
-    """The points of all spaces that hold at least two."""
+@dataclass(slots=True, eq=False)
+class Steps:
+    """Remembers what was made unique: most neighbours of one round of a search are there in the
+    next one. key: (k,) rising, of the first element and both symbols; step, lead: as of pairs.
+    """
+
+    key: Integers = field(default_factory=lambda: np.zeros(0, np.int64))
+    step: Frames = field(default_factory=lambda: identity(0))
+    lead: Frames = field(default_factory=lambda: identity(0))
+
+
+def pair_spaces(alphabet: Alphabet, arrangement: Arrangement, known: Steps | None = None) -> Pairs:
+    """The points of all spaces that hold at least two; known: those of earlier rounds of one
+    search, which become those of this one.
+    """
     symbol, wrap = arrangement.symbol, arrangement.wrap
     first = np.flatnonzero(wrap[1:] == wrap[:-1])
     key = symbol[first] * len(alphabet) + symbol[first + 1]
     _, spaces, often = np.unique(key, return_inverse=True, return_counts=True)
     shared = often[spaces] > 1
     first, spaces = first[shared], spaces[shared]
-    placed = arrangement.placed
-    step = compose(inverse(placed[first]), placed[first + 1])
-    lead = placed[first]
-    step, lead = _canonical(alphabet, symbol[first], symbol[first + 1], step, lead)
+    step, lead = _remembered(alphabet, arrangement, first, Steps() if known is None else known)
     return Pairs(first, step, lead, spaces.astype(np.int64))
+
+
+def _remembered(
+    alphabet: Alphabet, arrangement: Arrangement, first: Integers, known: Steps
+) -> tuple[Frames, Frames]:
+    """Unique steps and leads of pairs; only what was not there before is computed."""
+    symbol, placed = arrangement.symbol, arrangement.placed
+    left, right = symbol[first], symbol[first + 1]
+    # A symbol that stands at an element stands there in one frame.
+    key = (arrangement.start[first] << 40) + (left << 20) + right
+    at = np.searchsorted(known.key, key)
+    old = np.flatnonzero(np.append(known.key, -1)[at] == key)
+    new = np.setdiff1d(np.arange(len(first)), old, assume_unique=True)
+    lead = placed[first[new]]
+    step = compose(inverse(lead), placed[first[new] + 1])
+    made = _canonical(alphabet, left[new], right[new], step, lead)
+    order = np.argsort(np.concatenate([old, new]))
+    step = join([known.step[at[old]], made[0]])[order]
+    lead = join([known.lead[at[old]], made[1]])[order]
+    rising = np.argsort(key, kind="stable")
+    known.key, known.step, known.lead = key[rising], step[rising], lead[rising]
+    return step, lead
 
 
 def _canonical(
     alphabet: Alphabet, left: Integers, right: Integers, step: Frames, lead: Frames
 ) -> tuple[Frames, Frames]:
     """Steps and leads made unique; pairs with equally large symmetry groups are done together."""
-    sizes = np.array([len(each.stabiliser) for each in alphabet.definitions], np.int64)
-    free = np.array([each.free for each in alphabet.definitions], np.bool_)
-    kinds = np.stack([sizes[left], sizes[right], free[left], free[right]], axis=1)
-    for kind in np.unique(kinds, axis=0):
-        rows = np.flatnonzero((kinds == kind).all(axis=1))
-        for part in np.array_split(rows, 1 + len(rows) * int(kind[0] * kind[1]) // 500_000):
+    sizes, free = alphabet.keeping, alphabet.frees
+    kinds = 4 * (sizes[left] * (int(sizes.max(initial=0)) + 1) + sizes[right])
+    kinds += 2 * free[left] + free[right]
+    for kind in np.unique(kinds).tolist():
+        rows = np.flatnonzero(kinds == kind)
+        one, other = int(left[rows[0]]), int(right[rows[0]])
+        many = len(rows) * int(sizes[one] * sizes[other])
+        for part in np.array_split(rows, 1 + many // 500_000):
             groups = _stabilisers(alphabet, left[part]), _stabilisers(alphabet, right[part])
-            made = _unique(step[part], lead[part], groups, bool(kind[2]), bool(kind[3]))
+            made = _unique(step[part], lead[part], groups, bool(free[one]), bool(free[other]))
             step, lead = replaced(step, part, made[0]), replaced(lead, part, made[1])
     return step, lead
 

@@ -92,6 +92,34 @@ class Alphabet:
 
     tolerance: float
     definitions: list[Definition] = field(default_factory=list)
+    _radii: Floats = field(default_factory=lambda: np.zeros(0))
+    _frees: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, np.bool_))
+    _keeping: Integers = field(default_factory=lambda: np.zeros(0, np.int64))
+
+    @property
+    def radii(self) -> Floats:
+        """(n,) radius of each symbol."""
+        new = self.definitions[len(self._radii) :]
+        if new:
+            self._radii = np.append(self._radii, [each.radius for each in new])
+        return self._radii
+
+    @property
+    def frees(self) -> NDArray[np.bool_]:
+        """(n,) which symbols are free."""
+        new = self.definitions[len(self._frees) :]
+        if new:
+            self._frees = np.append(self._frees, np.array([each.free for each in new], np.bool_))
+        return self._frees
+
+    @property
+    def keeping(self) -> Integers:
+        """(n,) how many frames keep each symbol."""
+        new = self.definitions[len(self._keeping) :]
+        if new:
+            more = np.array([len(each.stabiliser) for each in new], np.int64)
+            self._keeping = np.append(self._keeping, more)
+        return self._keeping
 
     def __getitem__(self, symbol: int) -> Definition:
         return self.definitions[symbol]
@@ -210,6 +238,8 @@ class Alphabet:
             )
             for each in (self.definitions[symbol] for symbol in order)
         ]
+        self._radii, self._frees = self._radii[:0], self._frees[:0]
+        self._keeping = self._keeping[:0]
         return number
 
     def alike(self, part: int, one: Frames, other: Frames) -> NDArray[np.bool_]:
