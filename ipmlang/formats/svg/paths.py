@@ -32,6 +32,8 @@ _ARC = re.compile(
     re.ASCII,
 )
 _TAKES = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2}
+_MANY = 12
+"""So many segments of one kind are drawn at once."""
 _SAME_PLACE = 1e-11
 """A subpath whose end is this near to its start (relative to the coordinates) has come back."""
 
@@ -76,6 +78,24 @@ class Pen:
         self.kinds.append(CUBIC)
         self.numbers.extend((self.x, self.y, x1, y1, x2, y2, x, y))
         self.x, self.y = x, y
+
+    def run(self, kind: int, values: Sequence[float], relative: bool) -> None:
+        """Lines or curves one after the other, through points of as many numbers as they take."""
+        points = np.array(values).reshape(-1, kind, 2)
+        ends = points[:, -1]
+        if relative:
+            with np.errstate(over="ignore", invalid="ignore"):
+                ends = np.add.accumulate(np.concatenate([[(self.x, self.y)], ends]))[1:]
+        segments = np.zeros((len(points), 4, 2))
+        segments[0, 0] = self.x, self.y
+        segments[1:, 0] = ends[:-1]
+        segments[:, 1:kind] = points[:, :-1]
+        if relative:
+            segments[:, 1:kind] += segments[:, :1]
+        segments[:, kind] = ends
+        self.kinds.extend([kind] * len(points))
+        self.numbers.frombytes(segments.tobytes())
+        self.x, self.y = ends[-1].tolist()
 
     def arc(
         self, rx: float, ry: float, degrees: float, large: bool, sweep: bool, x: float, y: float
@@ -204,7 +224,7 @@ def _draw(pen: Pen, commands: Sequence[tuple[str, str]]) -> bool:
             if not _draw_arcs(pen, text, letter == "a"):
                 return False
         else:
-            values = [float(word) for word in _NUMBERS.findall(text)]
+            values = _values(text)
             if len(values) == 2 and name == "L":  # By far the most common of long paths.
                 x, y = values
                 pen.line(*((x, y) if letter == name else (pen.x + x, pen.y + y)))
@@ -217,6 +237,15 @@ def _draw(pen: Pen, commands: Sequence[tuple[str, str]]) -> bool:
                 return False
         before = name
     return True
+
+
+def _values(text: str) -> list[float]:
+    """The numbers of a text that is nothing but numbers and what may part them."""
+    try:
+        # What floats are once they are parted by blanks and signs is numbers for SVG too.
+        return list(map(float, text.replace("-", " -").replace(",", " ").split()))
+    except ValueError:  # such as `1.5.5` and `1e-5`
+        return [float(word) for word in _NUMBERS.findall(text)]
 
 
 def _draw_arcs(pen: Pen, text: str, relative: bool) -> bool:
@@ -245,6 +274,9 @@ def _moves(pen: Pen, values: list[float], count: int, relative: bool, before: st
 
 
 def _lines(pen: Pen, values: list[float], count: int, relative: bool, _: str) -> None:
+    if count >= _MANY:
+        pen.run(LINE, values[: 2 * count], relative)
+        return
     line = pen.line
     if relative:
         for x, y in _steps(values, 2, count):
@@ -265,6 +297,9 @@ def _upright(pen: Pen, values: list[float], count: int, relative: bool, _: str) 
 
 
 def _cubics(pen: Pen, values: list[float], count: int, relative: bool, _: str) -> None:
+    if count >= _MANY:
+        pen.run(CUBIC, values[: 6 * count], relative)
+        return
     for x1, y1, x2, y2, x, y in _steps(values, 6, count):
         ox, oy = (pen.x, pen.y) if relative else (0.0, 0.0)
         pen.cubic(ox + x1, oy + y1, ox + x2, oy + y2, ox + x, oy + y)
@@ -280,6 +315,9 @@ def _smooth_cubics(pen: Pen, values: list[float], count: int, relative: bool, be
 
 
 def _quadratics(pen: Pen, values: list[float], count: int, relative: bool, _: str) -> None:
+    if count >= _MANY:
+        pen.run(QUADRATIC, values[: 4 * count], relative)
+        return
     for x1, y1, x, y in _steps(values, 4, count):
         ox, oy = (pen.x, pen.y) if relative else (0.0, 0.0)
         pen.quadratic(ox + x1, oy + y1, ox + x, oy + y)

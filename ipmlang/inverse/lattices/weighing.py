@@ -42,10 +42,13 @@ class Weighing:
         after the other.
         """
         string = self.string
-        apart: dict[int, float] = {}
-        together: dict[int, float] = {}
-        for symbol in np.unique(string.symbol).tolist():
-            rows = np.flatnonzero((string.symbol == symbol) & (string.wrap == string.wrap[0]))
+        apart = dict.fromkeys(np.unique(string.symbol).tolist(), 0.0)
+        together = dict(apart)
+        plain = np.flatnonzero(string.wrap == string.wrap[0])
+        plain = plain[np.argsort(string.symbol[plain], kind="stable")]
+        ends = np.flatnonzero(np.diff(string.symbol[plain])) + 1
+        for rows in np.split(plain, ends):
+            symbol = int(string.symbol[rows[0]])
             apart[symbol] = together[symbol] = self.placed_tokens(rows)
             if self.rival is not None and apart[symbol] > RULE:
                 share = self._spared(self.rival, rows)
@@ -64,18 +67,20 @@ class Weighing:
 
     def placed_tokens(self, rows: Integers) -> float:
         """Tokens of placements of one symbol, at most: what a rule of all of them could save."""
-        if not len(rows):
-            return 0.0
-        fine = self._fine
-        reach = max(self.alphabet[int(self.string.symbol[rows[0]])].radius, fine)
-        columns = _columns(self.string.placed[rows], fine, reach)
-        digits = sum(float(_digits(value, error).sum()) for value, error, _ in columns)
-        return digits / DIGITS + float(self._beside[rows].sum())
+        return float(self._placed_digits[rows].sum()) / DIGITS + float(self._beside[rows].sum())
 
     @property
     def _fine(self) -> float:
         """Units that printed numbers may be off."""
         return PRINTED * self.alphabet.tolerance
+
+    @cached_property
+    def _placed_digits(self) -> Floats:
+        """(n,) digits of the four numbers of each placement."""
+        fine, symbols = self._fine, self.string.symbol
+        radius = np.array([each.radius for each in self.alphabet.definitions])
+        columns = _columns(self.string.placed, fine, np.maximum(radius[symbols], fine))
+        return np.asarray(sum(_digits(value, error) for value, error, _ in columns))
 
     @cached_property
     def _beside(self) -> Floats:
@@ -129,8 +134,13 @@ def runs(string: Arrangement) -> Integers:
     return np.repeat(sizes, sizes)
 
 
-def _columns(placed: Frames, fine: float, reach: float) -> list[tuple[Floats, float, bool]]:
-    turn, factor = float(np.rad2deg(fine / reach)), fine / reach
+def _columns(
+    placed: Frames, fine: float, reach: float | Floats
+) -> list[tuple[Floats, float | Floats, bool]]:
+    """Numbers of placements, what each may be off, and whether it is always said; reach: units, of
+    all symbols or of each.
+    """
+    turn, factor = np.rad2deg(fine / reach), fine / reach
     return [
         (placed.x, fine, True),
         (placed.y, fine, True),
@@ -147,8 +157,8 @@ def layering(members: Integers) -> float:
     return 0.0 if together else LAYER * len(members)
 
 
-def _digits(values: Floats, error: float) -> Floats:
-    """(n,) digits of the shortest decimals within an error.
+def _digits(values: Floats, error: float | Floats) -> Floats:
+    """(n,) digits of the shortest decimals within an error, that of all numbers or of each.
 
     >>> _digits(np.array([30.0, -0.25, 1.23456, 0.0]), 1e-3).tolist()
     [2.0, 2.0, 4.0, 0.5]
