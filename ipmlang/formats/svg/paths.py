@@ -10,8 +10,10 @@ from __future__ import annotations
 import math
 import re
 from array import array
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import accumulate
+from operator import add
 
 import numpy as np
 
@@ -32,8 +34,10 @@ _ARC = re.compile(
     re.ASCII,
 )
 _TAKES = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2}
-_MANY = 12
+_MANY = 4
 """So many segments of one kind are drawn at once."""
+_STORED = 8
+"""Numbers of a segment."""
 _SAME_PLACE = 1e-11
 """A subpath whose end is this near to its start (relative to the coordinates) has come back."""
 
@@ -80,22 +84,24 @@ class Pen:
         self.x, self.y = x, y
 
     def run(self, kind: int, values: Sequence[float], relative: bool) -> None:
-        """Lines or curves one after the other, through points of as many numbers as they take."""
-        points = np.array(values).reshape(-1, kind, 2)
-        ends = points[:, -1]
-        if relative:
-            with np.errstate(over="ignore", invalid="ignore"):
-                ends = np.add.accumulate(np.concatenate([[(self.x, self.y)], ends]))[1:]
-        segments = np.zeros((len(points), 4, 2))
-        segments[0, 0] = self.x, self.y
-        segments[1:, 0] = ends[:-1]
-        segments[:, 1:kind] = points[:, :-1]
-        if relative:
-            segments[:, 1:kind] += segments[:, :1]
-        segments[:, kind] = ends
-        self.kinds.extend([kind] * len(points))
-        self.numbers.frombytes(segments.tobytes())
-        self.x, self.y = ends[-1].tolist()
+        """Lines or curves one after the other, through as many points each as their kind takes."""
+        size = 2 * kind
+        segments = array("d", bytes(8 * _STORED * (len(values) // size)))
+        last = []
+        for axis, start in enumerate((self.x, self.y)):
+            ends = values[size - 2 + axis :: size]
+            places = list(accumulate(ends, initial=start)) if relative else [start, *ends]
+            segments[axis::_STORED] = array("d", places[:-1])
+            for column in range(axis, size - 2, 2):
+                points: Iterable[float] = values[column::size]
+                if relative:
+                    points = map(add, places, points)
+                segments[2 + column :: _STORED] = array("d", points)
+            segments[size + axis :: _STORED] = array("d", places[1:])
+            last.append(places[-1])
+        self.kinds.extend(bytes([kind]) * (len(values) // size))
+        self.numbers.extend(segments)
+        self.x, self.y = last
 
     def arc(
         self, rx: float, ry: float, degrees: float, large: bool, sweep: bool, x: float, y: float
