@@ -6,8 +6,9 @@ and placed for all their rows together. Nothing is derived and nothing is writte
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.formats.collection import without_collection
 from ipmlang.formats.drawing import ARC, LINE, Drawing, DrawnElement, Effect, Outline, Style
+from ipmlang.formats.svg.bounds import transform_segments
 from ipmlang.formats.svg.transforms import Matrix, multiply
 from ipmlang.runtime.export.drawn_assets import (
     depends_on_frame,
@@ -24,11 +26,12 @@ from ipmlang.runtime.export.drawn_assets import (
 )
 from ipmlang.runtime.export.drawn_groups import drawn_groups, paint_order
 from ipmlang.runtime.export.placing import drawing_matrices
-from ipmlang.runtime.export.row_styles import row_sources, row_styles
+from ipmlang.runtime.export.row_styles import RowStyles
 from ipmlang.runtime.scene import OUTLINE, PATH, SCOPE, SEGMENT, Scene
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
+_Number = TypeVar("_Number", np.float64, np.uint8)
 
 _INSIDE = "#808080"
 _THIN = 1 / 500  # width of a segment whose pen sets none, as a share of the drawing's diagonal
@@ -57,6 +60,7 @@ class _Sheet:
     elements: list[DrawnElement | None] = field(default_factory=list)
     effects: dict[str, Effect] = field(default_factory=dict)
     groups: list[tuple[str, ...]] = field(default_factory=list)
+    looks: RowStyles | None = None
 
     @property
     def flip(self) -> float:
@@ -103,8 +107,8 @@ class _Sheet:
         coords[:, 0, 0] = matrices[:, 4:]
         coords[:, 0, 1] = matrices[:, 4:] + matrices[:, :2] * table.size[rows, :1]
         base = Style(fill="none", stroke="#000000", stroke_width=self._default_width(coords))
-        kind, starts = np.array([LINE], np.uint8), np.array([0, 1], np.int32)
-        self._fill(rows, place, base, kind, starts, np.array([False]), coords)
+        like = _lines(coords[0], False)
+        self._fill(rows, place, base, like, self._rounded(like.kind, coords))
 
     def _scopes(self, rows: Rows, place: Rows) -> None:
         """The rectangle of each scope."""
@@ -116,8 +120,8 @@ class _Sheet:
         coords = np.zeros((len(rows), 4, 4, 2))
         coords[:, :, 0], coords[:, :, 1] = points[:, :-1], points[:, 1:]
         base = Style(fill="none", stroke="#000000", stroke_width=self._default_width(coords))
-        kind, starts = np.full(4, LINE, np.uint8), np.array([0, 4], np.int32)
-        self._fill(rows, place, base, kind, starts, np.array([True]), coords)
+        like = _lines(coords[0], True)
+        self._fill(rows, place, base, like, self._rounded(like.kind, coords))
 
     def _polygons(self, rows: Rows, place: Rows) -> None:
         """Turtle polygons, filled; their corners are in the world already."""
@@ -159,8 +163,9 @@ class _Sheet:
         return rounded
 
     def _looks(self, rows: Rows, base: Style) -> tuple[list[Style], list[tuple[str, ...]]]:
-        styles = row_styles(self.scene, rows, base, self.groups)
-        return styles, row_sources(self.scene, rows)
+        if self.looks is None:
+            self.looks = RowStyles(self.scene, self.groups)
+        return self.looks.of(rows, base), self.looks.sources(rows)
 
     def _default_width(self, coords: Floats) -> float:
         """1 on a canvas, else a share of the diagonal of what is drawn."""
@@ -170,19 +175,10 @@ class _Sheet:
         diagonal = float(np.hypot(*np.ptp(points, axis=0)))
         return float(f"{diagonal * _THIN:.3g}") or 1.0
 
-    def _fill(
-        self,
-        rows: Rows,
-        place: Rows,
-        base: Style,
-        kind: NDArray[np.uint8],
-        starts: NDArray[np.int32],
-        closed: NDArray[np.bool_],
-        coords: Floats,
-    ) -> None:
+    def _fill(self, rows: Rows, place: Rows, base: Style, like: Outline, coords: Floats) -> None:
         """One element a row; outlines that share all but their coordinates (n, m, 4, 2)."""
         styles, sources = self._looks(rows, base)
-        elements, coords = self.elements, self._rounded(kind, coords)
+        elements, kind, starts, closed = self.elements, like.kind, like.starts, like.closed
         for at, points, style, source in zip(place.tolist(), coords, styles, sources, strict=True):
             outline = Outline(kind, points, starts, closed)
             elements[at] = DrawnElement(outline, style, None, source)
@@ -194,23 +190,39 @@ class _Sheet:
         every = np.concatenate([np.zeros(0, np.intp), *(rows_of[number] for number in assets)])
         matrices = drawing_matrices(self.scene.instances, every, self.flip)
         first = 0
+        plain: list[_Copies] = []
         for number, asset in assets.items():
             rows = rows_of[number]
-            self._draw_asset(asset, rows, matrices[first : first + len(rows)], place)
+            own = matrices[first : first + len(rows)]
             first += len(rows)
+            for offset, element in enumerate(asset.elements):
+                at, outline = place[rows] + offset, element.outline
+                if outline is None or depends_on_frame(element.style):
+                    self._place_singly(rows, at, own, asset, element)
+                else:
+                    plain += _parted(_Copies(element.style, outline, rows, at, own))
+        for batch in _batches(plain):
+            self._draw_copies(batch)
 
-    def _draw_asset(self, asset: Drawing, rows: Rows, matrices: Floats, place: Rows) -> None:
-        for offset, element in enumerate(asset.elements):
-            at, outline = place[rows] + offset, element.outline
-            if outline is None or depends_on_frame(element.style):
-                self._place_singly(rows, at, matrices, asset, element)
-                continue
-            step = max(1, _BATCH // (8 * len(outline.kind) + 1))
-            for begin in range(0, len(rows), step):
-                part = slice(begin, begin + step)
-                coords = placed(outline, matrices[part])
-                shared = (outline.kind, outline.starts, outline.closed)
-                self._fill(rows[part], at[part], element.style, *shared, coords)
+    def _draw_copies(self, batch: Sequence[_Copies]) -> None:
+        """Copies of plain outlines, placed together."""
+        often = [len(each.rows) for each in batch]
+        sizes = np.repeat([len(each.outline.kind) for each in batch], often)
+        outlines = [(each.outline, count) for each, count in zip(batch, often, strict=True)]
+        kind = np.concatenate([_times(each.kind, count) for each, count in outlines])
+        coords = np.concatenate([_times(each.coords, count) for each, count in outlines])
+        matrices = np.repeat(np.concatenate([each.matrices for each in batch]), sizes, axis=0)
+        moved = transform_segments(kind, coords, matrices)
+        straight = not (kind == ARC).any()
+        moved = self._rounded(kind, moved) if straight else moved
+        first = 0
+        for each in batch:
+            shape = (len(each.rows), len(each.outline.kind), 4, 2)
+            points = moved[first : first + shape[0] * shape[1]].reshape(shape)
+            first += shape[0] * shape[1]
+            if not straight:
+                points = self._rounded(each.outline.kind, points)
+            self._fill(each.rows, each.place, each.style, each.outline, points)
 
     def _place_singly(
         self, rows: Rows, at: Rows, matrices: Floats, asset: Drawing, element: DrawnElement
@@ -242,6 +254,56 @@ class _Sheet:
         return key
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Copies:
+    """Copies of an outline in a style: their rows, their places among all elements, and their
+    matrices (n, 6).
+    """
+
+    style: Style
+    outline: Outline
+    rows: Rows
+    place: Rows
+    matrices: Floats
+
+    @property
+    def numbers(self) -> int:
+        """How many are to be placed."""
+        return 8 * len(self.outline.kind) * len(self.rows)
+
+
+def _parted(copies: _Copies) -> Iterator[_Copies]:
+    """The copies in parts of a bounded size."""
+    step = max(1, _BATCH // (8 * len(copies.outline.kind) + 1))
+    for begin in range(0, len(copies.rows), step):
+        rows = slice(begin, begin + step)
+        yield replace(
+            copies,
+            rows=copies.rows[rows],
+            place=copies.place[rows],
+            matrices=copies.matrices[rows],
+        )
+
+
+def _batches(every: Sequence[_Copies]) -> Iterator[list[_Copies]]:
+    """Copies that are placed together, so that memory stays bounded."""
+    batch: list[_Copies] = []
+    left = _BATCH
+    for each in every:
+        if batch and each.numbers > left:
+            yield batch
+            batch, left = [], _BATCH
+        batch.append(each)
+        left -= each.numbers
+    if batch:
+        yield batch
+
+
+def _times(values: NDArray[_Number], count: int) -> NDArray[_Number]:
+    """So many copies of rows, one after the other."""
+    return values if count == 1 else np.tile(values, (count, *[1] * (values.ndim - 1)))
+
+
 def _rows_of(assets: NDArray[np.integer], numbers: list[int]) -> dict[int, Rows]:
     """The rows of each asset, rising."""
     order = np.argsort(assets, kind="stable")
@@ -250,14 +312,19 @@ def _rows_of(assets: NDArray[np.integer], numbers: list[int]) -> dict[int, Rows]
     return {number: order[begin:end] for number, begin, end in bounds}
 
 
+def _lines(coords: Floats, closed: bool) -> Outline:
+    """Lines (m, 4, 2) one after the other."""
+    kind, starts = np.full(len(coords), LINE, np.uint8), np.array([0, len(coords)], np.int32)
+    return Outline(kind, coords, starts, np.array([closed]))
+
+
 def _polygon(corners: Floats, flip: float) -> Outline:
     """A closed outline through corners (m, 2 or 3) of the model."""
     count = len(corners)
     coords = np.zeros((count, 4, 2))
     coords[:, 0, 0], coords[:, 0, 1] = corners[:, 0], flip - corners[:, 1]
     coords[:, 1] = np.roll(coords[:, 0], -1, axis=0)
-    kind, starts = np.full(count, LINE, np.uint8), np.array([0, count], np.int32)
-    return Outline(kind, coords, starts, np.array([True]))
+    return _lines(coords, True)
 
 
 def _path(points: Floats, flip: float) -> Outline:
