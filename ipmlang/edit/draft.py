@@ -6,8 +6,10 @@ Nothing is changed in place, and nothing here writes.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cache as remember
 from pathlib import Path
 from typing import TypeAlias
 
@@ -70,12 +72,23 @@ class Draft:
     @property
     def text(self) -> str:
         """The grammar as it would be written now."""
-        return format_grammar(self.grammar)
+        known = (text for grammar, text in tuple(_last_texts()) if grammar is self.grammar)
+        found = next(known, None)
+        if found is None:
+            found = format_grammar(self.grammar)
+            _last_texts().append((self.grammar, found))
+        return found
 
     @property
     def folder(self) -> Path:
         """Where references start."""
         return self.path.parent
+
+
+@remember
+def _last_texts() -> deque[tuple[ast.Grammar, str]]:
+    """The texts that were asked for last: what an edit was derived from is written, too."""
+    return deque(maxlen=4)
 
 
 def read(path: Path | str, *, allow_outside: bool = False) -> Draft:

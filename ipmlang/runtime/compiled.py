@@ -15,7 +15,7 @@ from ipmlang.runtime.bodies import Writer
 from ipmlang.runtime.chains import Chain, Drawing, tail_of, walk_of
 from ipmlang.runtime.choose import OVER, no_truth, out_of_range, over
 from ipmlang.runtime.code import compile_values, source
-from ipmlang.runtime.content import KEPT, Content, Numbered
+from ipmlang.runtime.content import KEPT, Content, Numbered, named
 from ipmlang.runtime.motion import State, mirrors
 from ipmlang.runtime.naming import OWN, Scope, Setting
 from ipmlang.runtime.primitives import UnscannableError, bound, compiled, function, names_for
@@ -57,11 +57,14 @@ class Compiled:
         if found is None:
             production = self.production(number)
             numbered, count = Numbered(self._setting), production.parameters
+            apart = self._program.scoped and not single
+            content = numbered.content(production.body, apart)
 
             def write(writer: Writer) -> None:
-                writer.body(production.body, _scope(count), self._state())
+                body = named(production.body, count) if apart else production.body
+                writer.body(body, _scope(count, len(numbered.lengths)), self._state())
 
-            found = self._made(numbered, numbered.content(production.body), write, count, single)
+            found = self._made(numbered, content, write, count, single)
             self._bodies[number, single] = found
         return found
 
@@ -255,5 +258,7 @@ def _module(symbol: ir.Symbol, params: tuple[float, ...]) -> str:
     return f"{symbol.name}({written})" if written else symbol.name
 
 
-def _scope(parameters: int) -> Scope:
-    return Scope("n", "k0", "k1", tuple(f"p{number}" for number in range(parameters)), {})
+def _scope(parameters: int, lengths: int = 0) -> Scope:
+    names = (f"p{number}" for number in range(parameters))
+    own = (f"length{number}" for number in range(lengths))
+    return Scope("n", "k0", "k1", (*names, *own), {})

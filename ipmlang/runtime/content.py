@@ -2,21 +2,26 @@
 
 In go the setting of a run and a body, out come a key that is equal for bodies whose source is the
 same, and the names by which that source speaks of what is numbered. An edit shifts numbers and
-changes few bodies: what was written for one program serves the next. Nothing is written here.
+changes few bodies, and in many that it changes sizes and places alone, which have names, too: what
+was written for one program serves the next. Nothing is written here.
 """
 
 from __future__ import annotations
 
+import math
 from collections import OrderedDict
 from collections.abc import Hashable, Sequence
+from dataclasses import replace
+from itertools import count
 from threading import Lock
 from types import CodeType
-from typing import TypeAlias
+from typing import TypeAlias, TypeGuard
 
 from ipmlang.compiler import ir
 from ipmlang.runtime.naming import Setting
 
 Content: TypeAlias = tuple[Hashable, ...]
+LENGTH = ("length",)  # in place of a constant that has a name
 MOST = 20_000  # instructions of all the bodies that are kept: some 20 MB
 
 
@@ -28,6 +33,7 @@ class Numbered:
         self._symbols: dict[int, str] = {}
         self._assets: dict[int, str] = {}
         self._tables: dict[int, str] = {}
+        self.lengths: list[float] = []  # what constants of a body are that have names
         self.size = 0  # instructions seen so far
 
     def symbol(self, number: int) -> str:
@@ -51,22 +57,29 @@ class Numbered:
             **{name: number for number, name in self._symbols.items()},
             **{name: number for number, name in self._assets.items()},
             **{name: tables[number] for number, name in self._tables.items()},
+            **{f"length{place}": value for place, value in enumerate(self.lengths)},
         }
 
-    def content(self, code: Sequence[ir.Instruction]) -> Content:
-        """All that the source of code depends on, but for what is the same in a whole run."""
+    def content(self, code: Sequence[ir.Instruction], apart: bool = False) -> Content:
+        """All that the source of code depends on, but for what is the same in a whole run; `apart`:
+        its lengths have names, as in what `named` makes of it.
+        """
         self.size += len(code)
         return tuple(
-            (each.op, each.out, each.args, self._const(each), each.site, self.content(each.body))
+            (each.op, each.out, each.args, self._const(each, apart), each.site,
+             self.content(each.body, apart))
             if each.body
-            else (each.op, each.out, each.args, self._const(each), each.site)
+            else (each.op, each.out, each.args, self._const(each, apart), each.site)
             for each in code
-        )
+        )  # fmt: skip
 
-    def _const(self, each: ir.Instruction) -> Hashable:
+    def _const(self, each: ir.Instruction, apart: bool) -> Hashable:
         """What an instruction has beside its registers; numbers by their bits: 0 is not -0."""
         const = each.const
         match each.op:
+            case "const" if apart and is_length(const):
+                self.lengths.append(const)
+                return LENGTH
             case "module":
                 assert isinstance(const, int)
                 return self._named(const)
@@ -99,6 +112,28 @@ class Numbered:
         if symbol.productions or symbol.interpretation:
             return ()
         return (symbol.name, symbol.arity, self.content(symbol.meaning or ()))
+
+
+def named(code: Sequence[ir.Instruction], first: int) -> tuple[ir.Instruction, ...]:
+    """Code whose lengths are parameters, the first of that number, in the order of the code."""
+    places = count(first)
+
+    def inner(body: Sequence[ir.Instruction]) -> tuple[ir.Instruction, ...]:
+        return tuple(
+            ir.Instruction("param", each.out, const=next(places))
+            if each.op == "const" and is_length(each.const)
+            else replace(each, body=inner(each.body)) if each.body else each
+            for each in body
+        )  # fmt: skip
+
+    return inner(code)
+
+
+def is_length(const: ir.Const) -> TypeGuard[float]:
+    """Whether a constant is no whole number: what source makes of it does not depend on its value,
+    and it is no number of a text or an asset.
+    """
+    return isinstance(const, float) and math.isfinite(const) and not const.is_integer()
 
 
 class Kept:

@@ -239,7 +239,12 @@ def test_an_edit_goes_on_from_what_the_one_before_it_derived(tmp_path: Path) -> 
     draft = draft_of("bricks", tmp_path)
     tree = grown(draft)
     assert grown(draft).scene is tree.scene
-    assert grown(edit.read(draft.path)).scene is not tree.scene
+    again = edit.read(draft.path)
+    known = grown(again)
+    assert known.scene is tree.scene and known.draft.grammar is again.grammar
+    assert known.draft.terminals == len(tree.scene.instances)
+    draft.path.write_text(draft.text.replace("Pile", "Heap"), encoding="utf-8")
+    assert "Heap" in grown(edit.read(draft.path)).names
     assert grown(draft, seed=1).scene is not tree.scene
     model = draft.folder / "brick.obj"
     model.write_text(f"{model.read_text(encoding='utf-8')}# larger\n", encoding="utf-8")

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ipmlang.compiler import compile_file, ir
-from ipmlang.runtime import compiled, derive
+from ipmlang.compiler import compile_file, compile_text, ir
+from ipmlang.runtime import compiled, content, derive
 from ipmlang.runtime.bodies import Writer
 from ipmlang.runtime.content import Kept
 from ipmlang.runtime.scene import Scene
@@ -28,6 +28,7 @@ BEFORE = """table Q(x) =
     7
 Other --> [f(1) c] repeat(r in Q) { [f(r.x) +(9) c] } [c]
 """
+EXAMPLES = Path(__file__).parents[2] / "examples"
 COLUMNS = ("position", "rotation", "scale", "size", "layer")
 
 
@@ -127,3 +128,46 @@ def test_what_is_kept_is_bounded() -> None:
     assert [kept.get((number,)) is not None for number in (0, 6, 7, 8)] == [True, False, True, True]
     kept.keep((99,), 11, code)
     assert kept.get((99,)) is None
+
+
+BOXES = """ipm 1
+attr high = 2.5
+Wall(n) --> [translate({x}, 0, 1) size(0.5, {y}, 2) cube Stone] repeat(i < n) {{
+    [translate({z} * i, {turn}, 0) rotate(0, 0, {turn}) size(1.25, 0.75, high) cube Brick] [Post(i)]
+}}
+Post(i) --> translate(i, {x}, 0) mirror split x {{ ~{y}: a | 0.25: b }}
+start Wall(3) on box(4, 1.5, 2)
+"""
+LENGTHS = (
+    {"x": "0.3", "y": "1.7", "z": "0.1", "turn": "22.5"},
+    {"x": "1e-7", "y": "2.77", "z": "7.5", "turn": "0.7"},
+    {"x": "-7.25", "y": "0.11", "z": "1234.5", "turn": "-89.9"},
+)
+
+
+def test_bodies_that_differ_in_lengths_are_written_once(
+    tmp_path: Path, written: list[bool], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for number, each in enumerate(LENGTHS):
+        program = compile_text(BOXES.format(**each), folder=tmp_path)[1]
+        written.clear()
+        found = drawn(derive(program))
+        assert bool(written) == (number == 0)
+        with monkeypatch.context() as patched:
+            patched.setattr(content, "is_length", lambda const: False)
+            assert found == fresh(program, monkeypatch), "the same bits as with literals"
+        assert written
+    whole = compile_text(BOXES.format(**{**LENGTHS[0], "x": "2"}), folder=tmp_path)[1]
+    written.clear()
+    assert drawn(derive(whole)) == fresh(whole, monkeypatch) != found
+
+
+@pytest.mark.parametrize("name", ("castle", "house", "palace", "terrace"))
+def test_examples_are_the_same_with_names_for_lengths(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    program = compile_file(EXAMPLES / f"{name}.ipm")[1]
+    assert program.scoped, "others have no names for lengths"
+    found = fresh(program, monkeypatch)
+    monkeypatch.setattr(content, "is_length", lambda const: False)
+    assert found == fresh(program, monkeypatch)

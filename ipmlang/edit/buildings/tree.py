@@ -7,6 +7,7 @@ changed or judged here.
 
 from __future__ import annotations
 
+import operator
 from collections import deque
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -213,9 +214,12 @@ def grown(
     """
     plain = seed == 0 and not attrs
     if plain:
-        known = next((each for each in _last_trees() if _is_of(each, draft)), None)
+        known = next((each for each in tuple(_last_trees()) if _is_of(each, draft)), None)
         if known is not None and _stamps(draft) == known.stamps:
-            return replace(known, draft=replace(draft, drawn=known.draft.drawn))
+            _note(known)
+            drawn = known.draft.drawn
+            own = None if drawn is None else Drawn(draft.grammar, draft.added, drawn.terminals)
+            return replace(known, draft=replace(draft, drawn=own))
     stamps = _stamps(draft)
     if not draft.added:
         loaded = load_text(draft.text, draft.folder, draft.allow_outside)
@@ -229,20 +233,32 @@ def grown(
             drawn = Drawn(draft.grammar, draft.added, len(tree.scene.instances))
             draft = replace(draft, drawn=drawn)
         tree = replace(tree, draft=draft, stamps=stamps)
-        _last_trees().append(tree)
+        _note(tree)
     return tree
+
+
+def _note(tree: Tree) -> None:
+    """Note that a tree was used."""
+    trees = _last_trees()
+    if not trees or trees[-1] is not tree:
+        trees.append(tree)
 
 
 @remember
 def _last_trees() -> deque[Tree]:
-    """The trees that were made last: an edit goes on from what the one before it derived."""
+    """The trees that were used last: an edit goes on from what the one before it derived, and a
+    file that is read again from what was derived of it.
+    """
     return deque(maxlen=2)
 
 
 def _is_of(tree: Tree, draft: Draft) -> bool:
-    """Whether a tree was derived of the very grammar of a draft, where that lies."""
-    own = tree.draft
-    same = own.grammar is draft.grammar and own.added is draft.added
+    """Whether a tree was derived of the very items of a draft, where those lie: one that is read
+    again has them from the cache of parsing for as long as its text is the same.
+    """
+    own, one, other = tree.draft, tree.draft.grammar.items, draft.grammar.items
+    same = len(one) == len(other) and all(map(operator.is_, one, other))
+    same &= own.added is draft.added or not (own.added or draft.added)
     return same and own.path == draft.path and own.allow_outside == draft.allow_outside
 
 
