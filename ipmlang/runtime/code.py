@@ -127,9 +127,8 @@ def needed(instructions: Sequence[ir.Instruction], outputs: Iterable[int]) -> se
 
 def cell_of(column: NDArray[np.float64], index: Column) -> Column:
     """A table's cells; a row beyond the last is the last."""
-    rows = np.clip(np.asarray(index).astype(np.int64), 0, len(column) - 1)
-    cells = column[rows]
-    return cells if rows.ndim else float(cells)
+    cells = column.take(np.asarray(index).astype(np.int64), mode="clip")
+    return cells if cells.ndim else float(cells)
 
 
 def as_number(index: Words | int) -> Column:

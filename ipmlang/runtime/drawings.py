@@ -30,6 +30,7 @@ from ipmlang.runtime.scopes.pool import NOTHING, Pool
 
 Places = NDArray[np.int32]
 BLOCK = 1 << 16  # rows that are worked on at once
+SMALL = 64  # rows of a chunk whose keys are not worth a call of their own
 Values = TypeVar("Values", bound="float | NDArray[np.generic]")
 Scalar = TypeVar("Scalar", bound=np.generic)
 
@@ -59,6 +60,11 @@ class Chunk:
         if self.rows is None or not isinstance(value, np.ndarray) or not value.ndim:
             return value
         return value[self.rows]  # type: ignore[return-value]  # the same kind of array
+
+    def words(self) -> tuple[Words, ...]:
+        """What the keys are made of: the words, the site and the copies."""
+        site = np.array(self.site, np.uint32) if isinstance(self.site, int) else self.site
+        return self.k0, self.k1, site, *self.copies
 
     def key(self) -> NDArray[np.uint64]:
         """The keys of what was drawn, packed."""
@@ -156,12 +162,21 @@ class _Columns:
         self._places = places.astype(np.int64)  # what numpy would make of them each time
 
     def keys(self) -> NDArray[np.uint64]:
-        """The keys of all drawings."""
+        """The keys of all drawings; those of chunks of a few rows are hashed together."""
         out = np.empty(len(self._places), np.uint64)
+        small: dict[int, list[Chunk]] = {}
         for chunk in self._chunks:
-            if chunk.count:
+            if chunk.count > SMALL or (isinstance(chunk.site, int) and chunk.site == OWN):
                 out[self._places[chunk.start : chunk.start + chunk.count]] = chunk.key()
+            elif chunk.count:
+                small.setdefault(len(chunk.copies), []).append(chunk)
+        for chunks in small.values():
+            found = _keys_of(chunks)
+            out[np.concatenate([self._places_of(chunk) for chunk in chunks])] = found
         return out
+
+    def _places_of(self, chunk: Chunk) -> NDArray[np.int64]:
+        return self._places[chunk.start : chunk.start + chunk.count]
 
     def write(
         self,
@@ -222,6 +237,16 @@ class _Columns:
         if not any(name in chunk.state for chunk in self._chunks):
             return constant(default, len(self._places), kind)
         return self.filled(kind, lambda chunk: chunk.state.pop(name))
+
+
+def _keys_of(chunks: Sequence[Chunk]) -> NDArray[np.uint64]:
+    """The keys of chunks with equally many copies around them, one chunk after the other."""
+    words = [
+        [np.broadcast_to(each, (chunk.count,)) for each in map(chunk.column, chunk.words())]
+        for chunk in chunks
+    ]
+    k0, k1, *mixed = (np.concatenate(column) for column in zip(*words, strict=True))
+    return keys.packed(*keys.child(k0, k1, *mixed))
 
 
 def constant(value: float, count: int, kind: type[Scalar]) -> NDArray[Scalar]:

@@ -441,7 +441,7 @@ class Frontier(Trimming):
 
 def _is_finite(column: Column) -> bool:
     """Whether a column has no number that is none; too large a sum is looked at closer."""
-    return math.isfinite(column if isinstance(column, float) else np.sum(column))
+    return math.isfinite(column if isinstance(column, float) else np.add.reduce(column, axis=None))
 
 
 def _column(values: NDArray[np.float64]) -> Column:

@@ -22,7 +22,7 @@ MASK = 0xFFFFFFFF
 ROOT_WORD = 0x1B873593
 DRAW_BIT = 0x80000000  # parts draws from children: both are numbered by the same sites
 CHOICE_SITE = 0x40000000  # the draw that chooses among a symbol's productions
-FEW = 8  # rows hashed quicker one by one
+FEW = 5  # rows hashed quicker one by one
 BLOCK = 16384  # rows hashed at once: the working set stays in the second-level cache
 
 _MULTIPLIER = np.uint32(1664525)

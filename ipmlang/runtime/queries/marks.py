@@ -49,9 +49,9 @@ class Asked:
 
 def asked(program: ir.Program) -> Asked | None:
     """What a program asks; None where it asks nothing about other shapes."""
-    found = [each for code in _codes(program) for each in _all(code) if each.op in ASKS]
-    if not found:
+    if not any(_asks(code) for code in _codes(program)):
         return None
+    found = [each for code in _codes(program) for each in _all(code) if each.op in ASKS]
     texts = {text: number for number, text in enumerate(program.strings)}
     named = {
         number: texts[symbol.name]
@@ -79,6 +79,10 @@ def _parts(production: ir.Production) -> Iterator[tuple[ir.Instruction, ...]]:
         yield production.guard[0]
     if production.chance is not None:
         yield production.chance[1]
+
+
+def _asks(code: tuple[ir.Instruction, ...]) -> bool:
+    return any(each.op in ASKS or (each.body and _asks(each.body)) for each in code)
 
 
 def _all(code: tuple[ir.Instruction, ...]) -> Iterator[ir.Instruction]:

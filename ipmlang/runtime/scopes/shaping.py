@@ -69,7 +69,10 @@ class Given:
 
     def word(self, place: int) -> str | None:
         """A text that is the same for all shapes; None where it is not given."""
-        found = np.ravel(np.asarray(self.args[place], np.float64))
+        given = self.args[place]
+        if isinstance(given, float):
+            return None if given == NOT_GIVEN else self._text(self._params[place], given)
+        found = np.ravel(np.asarray(given, np.float64))
         if (found[1:] != found[:-1]).any():
             raise GeometryError(f"the words of `{self.name}` must be the same for all shapes")
         return None if found[0] == NOT_GIVEN else self._text(self._params[place], float(found[0]))
@@ -79,7 +82,7 @@ class Given:
         return [
             place
             for place, (param, arg) in enumerate(zip(self._params, self.args, strict=True))
-            if _is_text(param) and len(distinct(np.asarray(arg))[0]) > 1
+            if _is_text(param) and np.size(arg) > 1 and len(distinct(np.asarray(arg))[0]) > 1
         ]
 
 
@@ -168,6 +171,8 @@ def _mirror(given: Given, state: State) -> State:
 
 def _insert(given: Given, state: State) -> State:
     """An asset takes the place of the geometry, stretched to the scope or fitted into it."""
+    if isinstance(given.args[0], float):
+        return _inserted(given, state, int(given.args[0]))
     asset = distinct(np.asarray(given.args[0]))[0]
     parts = [_inserted(given, state, int(each)) for each in asset.tolist()]
     if len(parts) == 1:
@@ -184,34 +189,27 @@ def _insert(given: Given, state: State) -> State:
 
 def _inserted(given: Given, state: State, asset: int) -> State:
     low, high = given.pool.asset_bounds(asset)
-    natural = high - low
+    natural = (high - low)[:, None]
     fit = given.word(1) or "scope"
-    kept = full(given.args[2], given.count)
-    keep = (kept != 0) & (kept != NOT_GIVEN)
     align = given.word(3) or ("corner" if fit == "none" else "middle")
-    scope = [full(state[name], given.count) for name in SIZES]
+    same = all(isinstance(each, float) for each in (*(state[name] for name in SIZES), given.args[2]))
+    count = 1 if same else given.count
+    kept = full(given.args[2], count)
+    keep = (kept != 0) & (kept != NOT_GIVEN) | (fit in ("none", "inside"))
+    scope = np.stack([full(state[name], count) for name in SIZES])
     # an axis along which either has no extent says nothing of how much the asset is scaled
-    factors = [
-        np.where((size > 0) & (own > 0), size / (own or 1.0), np.nan)
-        for size, own in zip(scope, natural.tolist(), strict=True)
-    ]
-    known = np.stack(factors)
-    one = np.where(np.isnan(known), np.inf, known).min(axis=0)
+    there = (scope > 0) & (natural > 0)
+    factors = np.where(there, scope / np.where(natural == 0, 1.0, natural), np.inf)
+    one = factors.min(axis=0)
     one = np.where(np.isfinite(one) & (fit != "none"), one, 1.0)
-    if fit in ("none", "inside"):
-        keep = np.ones(given.count, np.bool_)
-    sizes = [
-        np.where(keep | np.isnan(factor), own * one, size)
-        for factor, own, size in zip(factors, natural.tolist(), scope, strict=True)
-    ]
-    share = SHARES[align]
-    x, y, z = (
-        np.where(size > 0, (size - own) * part, 0.0)
-        for size, own, part in zip(scope, sizes, share, strict=True)
-    )
+    sizes = np.where(keep | ~there, natural * one, scope)
+    share = np.array(SHARES[align])[:, None]
+    steps = np.where(scope > 0, (scope - sizes) * share, 0.0)
+    x, y, z = steps[:, 0].tolist() if same else steps
     place = boxes.moved(state, (x, y, z))
+    extents = sizes[:, 0].tolist() if same else sizes
     number = float(given.pool.asset(asset))
-    return {**place, **dict(zip(SIZES, sizes, strict=True)), "geo": number}
+    return {**place, **dict(zip(SIZES, extents, strict=True)), "geo": number}
 
 
 def _tag(given: Given, state: State) -> State | None:
