@@ -32,6 +32,7 @@ from ipmlang.inverse.split.search.fields import Field, field_of
 from ipmlang.inverse.split.search.figures import Figure, figure
 from ipmlang.inverse.split.search.growth import Grown, grow
 from ipmlang.inverse.split.search.laying import laid, symmetry_of
+from ipmlang.inverse.split.search.orbits import coherent
 from ipmlang.inverse.split.search.patterns import Memory
 from ipmlang.inverse.split.search.pricing import Priced, gain_of, priced
 from ipmlang.inverse.split.search.pruning import pruned
@@ -201,7 +202,8 @@ def _offers(field: Field, grown: list[Grown], base: Priced, limits: Limits) -> l
     ranked = sorted(promising.values(), key=lambda pair: (-pair[0], -pair[1].rows.size))
     found: list[Offer] = []
     for gain, each in islice(_various(field, ranked), 2 * TRIED):
-        motif = laid(field, completed(field, each, limits.error), limits)
+        whole = coherent(field, completed(field, each, limits.error))
+        motif = laid(field, whole, limits)
         if motif is not None:
             found.append(Offer(gain, motif, _later(field.draft, motif, limits)))
         if len(found) == TRIED:
