@@ -12,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from ipmlang.formats.drawing import Drawing
+from ipmlang.inverse.aliases import drop_aliases
 from ipmlang.inverse.baselines import settle_baselines
 from ipmlang.inverse.grammar_file import Subject, Written, write_grammar
 from ipmlang.inverse.lattices.choice import Memory, with_lattices
@@ -237,6 +238,7 @@ def _simplified(
     complete_tapers(book, instanced.alphabet)
     make_upright(book, instanced.alphabet)
     recentre(book)
+    drop_aliases(book)
     share_places(book, instanced.alphabet)
     settle_baselines(book, instanced.alphabet)
     settle_terminals(book, instanced.alphabet)

@@ -10,8 +10,11 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pytest
 
+from ipmlang.compiler import ast
 from ipmlang.inverse.lattices.build import Lattice
 from ipmlang.inverse.lattices.find import find_lattices
+from ipmlang.inverse.lattices.formula import lattice_rule
+from ipmlang.inverse.lattices.printing import printed, whole
 from ipmlang.inverse.lsystem.frames import (
     Complexes,
     Floats,
@@ -307,6 +310,16 @@ def test_small_grids() -> None:
     noise = find(frames(noisy(grid(3, 2, 10, 14j), 0.05)))
     assert all(each.kind != "grid" for each in noise)
     assert find(join([frames(noisy(grid(3, 3, 10, 14j), 0.05)), clutter(6)]))[0].kind == "grid"
+
+
+def test_last_line_of_a_grid_may_end_early() -> None:
+    best = find(frames(grid(7, 5, 10, -14j)[:31]))[0]
+    rule = lattice_rule(0, best, np.arange(31), 2.0, EXACT)
+    assert rule is not None
+    assert (rule.formula.count, rule.holes) == (31, ())
+    loop, _ = printed(rule, (), (EXACT, EXACT, EXACT), "Rest")
+    assert (loop.head, loop.holes) == (ast.Count("k", ast.Number(31.0)), ())
+    assert not whole(rule)
 
 
 def test_rounded_stars_of_a_flag_are_one_staggered_grid() -> None:

@@ -26,6 +26,7 @@ from inverse.synth import (
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.format import format_grammar
+from ipmlang.compiler.tokens import count_text_tokens
 from ipmlang.formats.drawing import Drawing, DrawnElement, Style
 from ipmlang.inverse.attempt import Made, best_grammar
 
@@ -80,6 +81,18 @@ def test_skewed_grid_too() -> None:
     made = made_of(copies(leaf(4), grid(6, 4, (9, 2), (-3, 11))))
     assert len(repeats(made)) == 2
     assert made.report.explained == 1.0
+
+
+def test_grid_of_turned_pairs_is_a_grid() -> None:
+    """Pairs that save nothing by themselves do so as a row; no rule only names another."""
+    places = grid(9, 12, (24, 0), (0, 11))
+    turned = places + np.array([9.0, 6, 90, 0, 0])
+    both = np.stack([places, turned], axis=1).reshape(-1, places.shape[1])
+    made = made_of(copies(rectangle(2, 12), both))
+    assert len(repeats(made)) == 2
+    rules = [each for each in made.grammar.items if isinstance(each, ast.Rule)]
+    assert len(rules) == 2
+    assert made.report.tokens_flat > 15 * count_text_tokens(text(made))
 
 
 @pytest.mark.parametrize("shape", [leaf(6), rectangle(6, 6), circle(3), rectangle(4, 8)])

@@ -163,6 +163,8 @@ def lattice_rule(
     order = np.argsort(node)
     node, rows = node[order], lattice.rows[order]
     chosen = lattice.chosen[order]
+    # What is missing at the end needs no holes: the loop ends before.
+    formula = replace(formula, count=int(node[-1]) + 1)
     formula = _rounded(formula, node, chosen, radius, tolerance)
     predicted = formula.frames()
     inside = compose(inverse(predicted[node]), chosen)

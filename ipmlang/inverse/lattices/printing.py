@@ -41,8 +41,9 @@ def closed(formula: Formula) -> bool:
 
 
 def whole(rule: LatticeRule) -> bool:
-    """Whether every node has a member, and no table says more about one."""
-    return not rule.columns and not rule.holes
+    """Whether every node has a member, all lines as many, and no table says more about one."""
+    even = rule.formula.count % rule.formula.length == 0
+    return even and not rule.columns and not rule.holes
 
 
 def printed(
@@ -59,7 +60,7 @@ def printed(
     """
     formula = rule.formula
     columns, cells = _cells(rule, errors)
-    nested = bool(formula.across) and not columns and not rule.holes
+    nested = bool(formula.across) and whole(rule)
     i, j = indices(formula, nested)
     inside = _inside(rule, columns)
     body = (

@@ -26,7 +26,7 @@ from ipmlang.inverse.lsystem.frames import (
 )
 from ipmlang.inverse.lsystem.repeats import apart, find_repeats
 from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers
-from ipmlang.inverse.score import HEAD, Tabled, tabled
+from ipmlang.inverse.score import HEAD, Tabled, followed_tokens, tabled
 
 MOST = 6  # stretches of one order of magnitude that are looked at closely
 SNAP = 1e-7  # relative: a fitted turn or size this close to a plain one may be the plain one
@@ -53,10 +53,14 @@ def find_motifs(
         rows = apart(repeat.places, length)
         if length < 3 or len(rows) < 2:
             continue
-        saved = cost.saved(rows, np.full(len(rows), length)) - float(cost.alone[rows].sum())
+        saved = cost.saved(rows, np.full(len(rows), length))
         inside = relative_places(arrangement.placed, int(rows[0]), length)
         other = np.diff(cost.begin[rows[0] : rows[0] + length]) != 0
-        gain = saved - HEAD - tabled(inside, other, small).needed
+        saved -= HEAD + tabled(inside, other, small).needed
+        gain = saved - float(cost.alone[rows].sum())
+        if gain < 1.0 <= saved:  # what does not pay alone may do so as a row, at the end
+            left = followed_tokens(arrangement.placed[rows], rows, length, small)
+            gain = min(1.0, saved - left)
         if gain >= 1.0:
             found.append(Motif(gain, rows, length))
     return found

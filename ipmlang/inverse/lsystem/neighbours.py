@@ -8,12 +8,13 @@ takes one.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ipmlang.inverse.lsystem.candidates import Candidate
 from ipmlang.inverse.lsystem.frames import Frames, frames, wrap
 from ipmlang.inverse.lsystem.spaces import Pairs
 from ipmlang.inverse.lsystem.symbols import Integers
-from ipmlang.inverse.score import HEAD, Tabled, placement_tokens
+from ipmlang.inverse.score import HEAD, Tabled, followed_tokens, placement_tokens
 
 
 def pair_candidates(
@@ -28,19 +29,35 @@ def pair_candidates(
     first, lead = pairs.first[rows], pairs.lead[rows]
     left = np.add.reduceat(placement_tokens(lead, small), begin)
     saved = cost.saved_by(first, np.full(len(first), 2), begin)
-    # A step takes one token at least.
-    good = np.flatnonzero(saved - (left + HEAD + 2) >= least)
+    # A step takes one token at least; what does not pay alone may do so as a row.
+    less = np.where(_in_rows(first, begin), 0, left)
+    good = np.flatnonzero(saved - (less + HEAD + 2) >= least)
     ends = np.append(begin, len(rows)).tolist()
     bounds = [(ends[k], ends[k + 1]) for k in good.tolist()]
     if not bounds:
         return []
     step = _middles(pairs.step[rows], bounds)
-    gain = saved[good] - (left[good] + HEAD + 1 + placement_tokens(step, small))
+    room = saved[good] - (HEAD + 1 + placement_tokens(step, small))
+    gain = room - left[good]
+    for k in np.flatnonzero(gain < least).tolist():
+        a, b = bounds[k]
+        # At the end, when nothing else pays.
+        gain[k] = min(least, room[k] - followed_tokens(lead[a:b], first[a:b], 2, small))
     return [
         Candidate(saves, int(first[a]), first[a:b], lead[a:b], step[k : k + 1])
         for k, (saves, (a, b)) in enumerate(zip(gain.tolist(), bounds, strict=True))
         if saves >= least
     ]
+
+
+def _in_rows(first: Integers, begin: Integers) -> NDArray[np.bool_]:
+    """Which groups of pairs have three that follow each other."""
+    near = np.zeros(len(first), np.bool_)
+    near[2:] = (first[1:-1] - first[:-2] == 2) & (first[2:] - first[1:-1] == 2)
+    for later in (0, 1):
+        own = begin[begin + later < len(near)]
+        near[own + later] = False
+    return np.asarray(np.logical_or.reduceat(near, begin), np.bool_)
 
 
 def _groups(first: Integers, labels: Integers) -> tuple[Integers, Integers]:
