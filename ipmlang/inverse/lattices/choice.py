@@ -140,12 +140,17 @@ def _of_symbol(
     radius = given.alphabet[symbol].radius
     used = np.zeros(len(string), np.bool_)
     for lattice in found:
+        members = np.sort(rows[lattice.rows])
+        together = bool((np.diff(members) == 1).all())
+        if used[members].any() or not (scattered or together):
+            continue
+        if given.most(members) <= layering(members):  # numbers need not be rounded to know that
+            continue
         rule = lattice_rule(symbol, lattice, string.start[rows], radius, tolerance)
         if rule is None:
             continue
         members = rows[rule.rows]
-        together = bool((np.diff(members) == 1).all())
-        if used[members].any() or not (scattered or together):
+        if not (scattered or (np.diff(members) == 1).all()):
             continue
         gain = given.gain(rule, members)
         if gain > layering(members):

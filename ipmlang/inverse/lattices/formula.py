@@ -7,6 +7,7 @@ numbers, the frames that it predicts and the residual of each member. Nothing he
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal, TypeAlias
 
@@ -23,6 +24,7 @@ from ipmlang.inverse.lsystem.frames import (
     frames,
     identity,
     inverse,
+    join,
     unit,
     wrap,
 )
@@ -32,6 +34,7 @@ Radial: TypeAlias = Literal["even", "root", "power"]
 RADIAL: dict[str, Radial] = {"vogel": "root", "log": "power"}
 SHARE = 0.3  # of a usual residual: what rounding a number may add to it
 COLUMNS = ("x", "y", "angle", "scale")
+MOST_DIGITS, FEW_DIGITS = 9, 3  # decimals are fewer than those; they usually are fewer than these
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,39 +89,47 @@ class Formula:
         x, y = (float(each.sum()) * (np.count_nonzero(each) == 1) for each in self.moves.T[:2])
         return x, y
 
-    def nodes(self) -> tuple[Floats, Floats]:
-        """(count,) i and j."""
-        k = np.arange(self.count, dtype=np.float64)
-        if not self.across:
-            return k, np.zeros(self.count)
-        return k % self.across, k // self.across
-
     def frames(self) -> Frames:
         """(count,) world frames."""
-        i, j = self.nodes()
-        angle = self.turn[0] * i + self.turn[1] * j
-        grown = self.growth[0] * i + self.growth[1] * j
-        scale = np.exp(grown) if self.geometric else 1 + grown
-        if self.polar is None:
-            assert self.moves is not None
-            basis = np.stack([i + self.stagger * (j % 2), j, i * i])
-            at = self.moves[0] @ basis + 1j * (self.moves[1] @ basis)
-        else:
-            around = self.polar[0] * i + self.polar[1] * j
-            at = self.radii(i, j) * unit(around)
-            angle = angle + (0.0 if self.upright else around)
-        return compose(compose(self.lead, frames(at, angle, scale)), self.inside)
+        return frames_at([self], np.arange(self.count)).flat()
 
-    def radii(self, i: Floats, j: Floats) -> Floats:
-        """(count,) distances from the centre."""
-        assert self.polar is not None
-        first, second = self.polar[2], self.polar[3]
-        index = j if self.nested else i
-        if self.radial == "root":
-            return np.asarray(first * np.sqrt(np.maximum(index + second, 0.0)))
-        if self.radial == "power":
-            return np.asarray(first * np.exp(second * index))
-        return np.asarray(first + second * index)
+
+def frames_at(formulas: Sequence[Formula], node: Integers) -> Frames:
+    """(f, m) world frames at nodes (m,) of formulas that differ in their numbers only."""
+    one, k = formulas[0], node.astype(np.float64)
+    i, j = (k % one.across, k // one.across) if one.across else (k, np.zeros(len(k)))
+    turn = _stacked([each.turn for each in formulas])
+    growth = _stacked([each.growth for each in formulas])
+    angle = turn[0] * i + turn[1] * j
+    grown = growth[0] * i + growth[1] * j
+    scale = np.exp(grown) if one.geometric else 1 + grown
+    if one.polar is None:
+        moves = _stacked([np.ravel(each.moves) for each in formulas if each.moves is not None])
+        basis = (i + one.stagger * (j % 2), j, i * i)
+        x, y = (sum(a * b for a, b in zip(side, basis, strict=True)) for side in np.split(moves, 2))
+        at = x + 1j * y
+    else:
+        polar = _stacked([each.polar for each in formulas if each.polar is not None])
+        around = polar[0] * i + polar[1] * j
+        at = _radii(one, polar[2], polar[3], j if one.nested else i) * unit(around)
+        angle = angle + (0.0 if one.upright else around)
+    lead = join([each.lead for each in formulas])
+    inside = join([each.inside for each in formulas])
+    return compose(compose(lead[:, None], frames(at, angle, scale)), inside[:, None])
+
+
+def _stacked(numbers: Sequence[Floats]) -> Floats:
+    """(k, f, 1) numbers (k,) of f formulas."""
+    return np.stack(numbers, axis=1)[:, :, None]
+
+
+def _radii(kind: Formula, first: Floats, second: Floats, index: Floats) -> Floats:
+    """(f, m) distances from the centre."""
+    if kind.radial == "root":
+        return np.asarray(first * np.sqrt(np.maximum(index + second, 0.0)))
+    if kind.radial == "power":
+        return np.asarray(first * np.exp(second * index))
+    return np.asarray(first + second * index)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -327,16 +338,17 @@ def _rounded(
     formula: Formula, node: Integers, chosen: Frames, radius: float, tolerance: float
 ) -> Formula:
     """The same with as few decimals as cost next to nothing in precision: steps before places."""
-    gap = _gap(formula, node, chosen, radius)
+    gap = _gaps([formula], node, chosen, radius)[0]
     for rounding in (_round_moves, _round_polar, _round_changes, _round_inside, _round_lead):
         room = np.maximum(tolerance / 8, (1 + SHARE) * gap)
-        for digits in range(9):
-            made = rounding(formula, digits)
-            if made is formula:
-                break
-            off = _gap(made, node, chosen, radius)
-            if (off <= room).all():
-                formula, gap = made, off
+        ways = [rounding(formula, digits) for digits in range(MOST_DIGITS)]
+        if ways[0] is formula:
+            continue
+        for part in (ways[:FEW_DIGITS], ways[FEW_DIGITS:]):
+            off = _gaps(part, node, chosen, radius)
+            good = np.flatnonzero((off <= room).all(axis=1))
+            if len(good):
+                formula, gap = part[good[0]], off[good[0]]
                 break
     return formula
 
@@ -370,13 +382,15 @@ def _round_lead(formula: Formula, digits: int) -> Formula:
     return replace(formula, lead=frames(at, angle, 1.0, lead.handedness))
 
 
-def _gap(formula: Formula, node: Integers, chosen: Frames, radius: float) -> Floats:
-    """(6,) usual and largest distance of members from their nodes, and of what lies `radius` from
-    their middles by their angle and by their scale, units.
+def _gaps(formulas: Sequence[Formula], node: Integers, chosen: Frames, radius: float) -> Floats:
+    """(f, 6) usual and largest distance of members from their nodes, and of what lies `radius` from
+    their middles by their angle and by their scale, units; the formulas differ in numbers only.
     """
-    if not formula.inside.scale[0] > 0:
-        return np.full(6, np.inf)
-    off = compose(inverse(formula.frames()[node]), chosen)
+    made = np.full((len(formulas), 6), np.inf)
+    sized = [k for k, each in enumerate(formulas) if each.inside.scale[0] > 0]
+    if not sized:
+        return made
+    off = compose(inverse(frames_at([formulas[k] for k in sized], node)), chosen)
     reach = radius * chosen.scale
     gaps = np.stack(
         [
@@ -385,4 +399,5 @@ def _gap(formula: Formula, node: Integers, chosen: Frames, radius: float) -> Flo
             np.abs(off.scale - 1) * reach,
         ]
     )
-    return np.concatenate([np.sqrt(np.mean(gaps**2, axis=1)), gaps.max(axis=1)])
+    made[sized] = np.concatenate([np.sqrt(np.mean(gaps**2, axis=2)), gaps.max(axis=2)]).T
+    return made

@@ -243,19 +243,39 @@ def _box(index: Integers, count: int) -> Integers:
 
 def _connected(box: Integers, there: Mask, start: Integers) -> Mask:
     """Which nodes (k, 2) of a box are members that steps of at most two nodes join to the start."""
-    from scipy.ndimage import binary_dilation, label
-
     low = box.min(axis=0)
     full = np.zeros(tuple(box.max(axis=0) - low + 3), np.bool_)
     i, j = (box - low + 1).T
     full[i, j] = there
-    thick = binary_dilation(full, np.ones((2, 2), np.bool_))
-    pieces, _ = label(thick, np.ones((3, 3), np.int64))
-    size = np.bincount(pieces[i, j][there], minlength=2)
-    own = pieces[tuple(start - low + 1)]
-    if own == 0:
-        own = int(size[1:].argmax()) + 1
-    return np.asarray(there & (pieces[i, j] == own))
+    thick = full.copy()
+    thick[1:] |= full[:-1]
+    thick[:, 1:] |= thick[:, :-1].copy()
+    piece = _pieces(thick)
+    own = int(piece[tuple(start - low + 1)])
+    if own == piece.size:
+        own = int(np.bincount(piece[i, j][there], minlength=1).argmax())
+    return np.asarray(there & (piece[i, j] == own))
+
+
+def _pieces(there: Mask) -> Integers:
+    """(h, w) for each of these cells the number of the first that is joined to it, by sides or
+    corners; h * w for all others.
+    """
+    none = there.size
+    number = np.where(there, np.arange(none).reshape(there.shape), none)
+    cells = number[there]
+    while True:
+        least = number.copy()
+        np.minimum(least[1:], number[:-1], out=least[1:])
+        np.minimum(least[:-1], number[1:], out=least[:-1])
+        wide = least.copy()
+        np.minimum(wide[:, 1:], least[:, :-1], out=wide[:, 1:])
+        np.minimum(wide[:, :-1], least[:, 1:], out=wide[:, :-1])
+        near = wide[there]
+        joined = wide.ravel()[near]  # what that cell has come to meanwhile
+        if (joined == cells).all():
+            return number
+        cells = number[there] = joined
 
 
 def _distinct(index: Integers, rows: Integers) -> tuple[Integers, Integers]:

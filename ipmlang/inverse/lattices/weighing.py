@@ -14,7 +14,7 @@ import numpy as np
 
 from ipmlang.inverse.lattices.formula import LatticeRule
 from ipmlang.inverse.lattices.spared import Said
-from ipmlang.inverse.lsystem.frames import Floats, Frames
+from ipmlang.inverse.lsystem.frames import Floats
 from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers
 from ipmlang.inverse.score import AROUND, DIGITS, INLINE_ROWS, TABLE, TABLE_ROWS
 
@@ -60,27 +60,16 @@ class Weighing:
 
     def gain(self, rule: LatticeRule, members: Integers) -> float:
         """Tokens that a rule saves of what members take by themselves, or in the other grammar."""
-        before = self._member_tokens(rule, members)
-        if self.rival is not None:
-            before = min(before, float(self._spared(self.rival, members).sum()))
-        return before - self._ruled_tokens(rule, members)
+        return self._member_tokens(members) - self._ruled_tokens(rule, members)
 
     def placed_tokens(self, rows: Integers) -> float:
-        """Tokens of placements of one symbol, at most: what a rule of all of them could save."""
-        return float(self._placed_digits[rows].sum()) / DIGITS + float(self._beside[rows].sum())
+        """Tokens of placements, at most: what a rule of all of them could save."""
+        return float(self._alone[rows].sum())
 
     @property
     def _fine(self) -> float:
         """Units that printed numbers may be off."""
         return PRINTED * self.alphabet.tolerance
-
-    @cached_property
-    def _placed_digits(self) -> Floats:
-        """(n,) digits of the four numbers of each placement."""
-        fine, symbols = self._fine, self.string.symbol
-        radius = np.array([each.radius for each in self.alphabet.definitions])
-        columns = _columns(self.string.placed, fine, np.maximum(radius[symbols], fine))
-        return np.asarray(sum(_digits(value, error) for value, error, _ in columns))
 
     @cached_property
     def _beside(self) -> Floats:
@@ -90,6 +79,20 @@ class Weighing:
         sizes = runs(self.string)
         tabled = np.where(sizes <= INLINE_ROWS, BETWEEN, 0.0) + TABLE / np.maximum(sizes, 1)
         return np.where(sizes >= TABLE_ROWS, np.minimum(tabled, AROUND), AROUND)
+
+    @cached_property
+    def _written(self) -> Floats:
+        """(4, n) digits of the numbers of each placement: x, y, angle and scale."""
+        placed, fine = self.string.placed, self._fine
+        reach = np.maximum(self.alphabet.radii[self.string.symbol], fine)
+        values = np.stack([placed.x, placed.y, placed.angle, placed.scale])
+        error = np.stack([np.full(len(reach), fine)] * 2 + [np.rad2deg(fine / reach), fine / reach])
+        return _digits(values, error)
+
+    @cached_property
+    def _alone(self) -> Floats:
+        """(n,) tokens of each placement."""
+        return np.asarray(self._written.sum(axis=0) / DIGITS + self._beside)
 
     def _spared(self, rival: Said, rows: Integers) -> Floats:
         """(k,) what each of some rows of one symbol would spare in the other grammar, if that no
@@ -101,15 +104,20 @@ class Weighing:
         gone[elements] = True
         return np.asarray(rival.spared(gone)[elements].sum(axis=1))
 
-    def _member_tokens(self, rule: LatticeRule, members: Integers) -> float:
+    def most(self, members: Integers) -> float:
+        """Tokens that a rule of placements of one symbol saves at most."""
+        return self._member_tokens(members) - RULE
+
+    def _member_tokens(self, members: Integers) -> float:
         """Tokens of members without a rule."""
-        fine = self._fine
-        reach = max(self.alphabet[rule.part].radius, fine)
-        columns = _columns(self.string.placed[members], fine, reach)
-        digits = sum(
-            _digits(value, error).sum() for value, error, rest in columns if np.ptp(value) or rest
-        )
-        return float(digits / DIGITS + self._beside[members].sum())
+        placed, written = self.string.placed, self._written[:, members]
+        digits = float(written[:2].sum())
+        for column, value in ((2, placed.angle[members]), (3, placed.scale[members])):
+            digits += float(written[column].sum()) if np.ptp(value) else 0.0
+        before = digits / DIGITS + float(self._beside[members].sum())
+        if self.rival is None:
+            return before
+        return min(before, float(self._spared(self.rival, members).sum()))
 
     def _ruled_tokens(self, rule: LatticeRule, members: Integers) -> float:
         """Tokens of a lattice's rule."""
@@ -134,21 +142,6 @@ def runs(string: Arrangement) -> Integers:
     return np.repeat(sizes, sizes)
 
 
-def _columns(
-    placed: Frames, fine: float, reach: float | Floats
-) -> list[tuple[Floats, float | Floats, bool]]:
-    """Numbers of placements, what each may be off, and whether it is always said; reach: units, of
-    all symbols or of each.
-    """
-    turn, factor = np.rad2deg(fine / reach), fine / reach
-    return [
-        (placed.x, fine, True),
-        (placed.y, fine, True),
-        (placed.angle, turn, False),
-        (placed.scale, factor, False),
-    ]
-
-
 def layering(members: Integers) -> float:
     """What it takes to keep the paint order of members that do not follow each other: a cell of a
     table for each, and about as much for what is painted among them.
@@ -157,16 +150,21 @@ def layering(members: Integers) -> float:
     return 0.0 if together else LAYER * len(members)
 
 
-def _digits(values: Floats, error: float | Floats) -> Floats:
-    """(n,) digits of the shortest decimals within an error, that of all numbers or of each.
+def _digits(values: Floats, error: Floats | float) -> Floats:
+    """(n,) digits of the shortest decimals within an error.
 
     >>> _digits(np.array([30.0, -0.25, 1.23456, 0.0]), 1e-3).tolist()
     [2.0, 2.0, 4.0, 0.5]
     """
-    digits = np.full(values.shape, np.nan)
+    left = np.abs(values).ravel()
+    room = np.broadcast_to(error, values.shape).ravel()
+    digits = np.log10(left * 10.0**PLACES + 1.0)
+    longer = np.arange(len(left))
     for places in range(PLACES):
-        tens = np.abs(np.round(values * 10.0**places))
-        near = np.isnan(digits) & (np.abs(np.abs(values) - tens / 10.0**places) <= error)
-        digits[near] = np.floor(np.log10(np.maximum(tens[near], 0.1))) + 1
-    long = np.log10(np.abs(values) * 10.0**PLACES + 1.0)
-    return np.asarray(np.maximum(0.5, np.where(np.isnan(digits), long, digits)))
+        tens = np.round(left * 10.0**places)
+        near = np.abs(left - tens / 10.0**places) <= room
+        digits[longer[near]] = np.floor(np.log10(np.maximum(tens[near], 0.1))) + 1
+        longer, left, room = longer[~near], left[~near], room[~near]
+        if not len(longer):
+            break
+    return np.asarray(np.maximum(0.5, digits)).reshape(values.shape)
