@@ -7,17 +7,15 @@ those that name them. Nothing here decides what is shorter.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
-from operator import is_
 from typing import TypeAlias
 
-import numpy as np
-
 from ipmlang.compiler import ast
-from ipmlang.inverse.folding.rows import Row, element_tokens, frames_of, moved, rows_of
-from ipmlang.inverse.folding.templates import HEAD, Rounding, Template
-from ipmlang.inverse.lsystem.frames import Frames, compose, frames
+from ipmlang.inverse.folding.fits import HEAD, Rounding
+from ipmlang.inverse.folding.known_rows import KnownRows, Rows
+from ipmlang.inverse.folding.rows import Row, element_tokens, modules, rows_of
+from ipmlang.inverse.folding.templates import Template
 
 Path: TypeAlias = "tuple[int, ...]"  # from a rule's rows down to those of an inner row
 
@@ -44,15 +42,31 @@ class Stretch:
         return begin < one.begin + one.count and one.begin < end
 
 
+@dataclass(frozen=True, slots=True)
+class Calls:
+    """found: the rows that name each rule; bound: rules that something else than plain rules names,
+    too.
+    """
+
+    found: Mapping[str, Sequence[Row]]
+    bound: Set[str]
+
+    def of(self, name: str) -> Sequence[Row] | None:
+        """The rows that name a rule; None where something else does."""
+        return None if name in self.bound else self.found.get(name, ())
+
+
 @dataclass(slots=True)
 class Book:
-    """plain: the rows of every rule that is rows and nothing else, the first one drawn first;
-    fixed: rules that stay as they are, by name; templates: rules with parameters; wishes: what
-    new rules would be called after; leaving: names of what moves the turtle.
+    """known: the rows of all copies of the book; plain: the rows of every rule that is rows and
+    nothing else, the first one drawn first; fixed: rules that stay as they are, by name; templates:
+    rules with parameters; wishes: what new rules would be called after; leaving: names of what
+    moves the turtle.
     """
 
     axiom: str
-    plain: dict[str, tuple[Row, ...]]
+    known: KnownRows
+    plain: dict[str, Rows]
     fixed: dict[str, tuple[ast.Rule, ...]]
     templates: dict[str, Template] = field(default_factory=dict)
     wishes: dict[str, str] = field(default_factory=dict)
@@ -70,11 +84,12 @@ class Book:
 
     def add(self, name: str, template: Template, wish: str) -> None:
         """A new rule; without parameters it is a plain one."""
+        self.wishes.pop(name, None)  # it may have been written out before
         self.wishes[name] = wish
         if template.labels or template.given.count:
             self.templates[name] = template
         else:
-            self.plain[name] = template.rows
+            self.plain[name] = self.known.rule(tuple(map(self.known.same, template.rows)))
 
     def renamed(self, names: Mapping[str, str]) -> Book:
         """The book with other names for some rules."""
@@ -90,14 +105,17 @@ class Book:
     def uses(self) -> Counter[str]:
         """How often each name stands in a body."""
         found: Counter[str] = Counter()
-        for rows in self.plain.values():
-            _count(rows, found)
-        for template in self.templates.values():
-            _count(template.rows, found)
-        for rules in self.fixed.values():
-            for rule in rules:
-                found.update(modules(rule.body))
+        for name in (*self.plain, *self.templates, *self.fixed):
+            found.update(self.parts_of(name))
         return found
+
+    def parts_of(self, name: str) -> Mapping[str, int]:
+        """How often each name stands in a rule."""
+        if name in self.plain:
+            return self.known.named(self.plain[name])
+        if name in self.templates:
+            return self.known.named(self.templates[name].rows)
+        return Counter(part for rule in self.fixed[name] for part in modules(rule.body))
 
     def length(self) -> int:
         """How many rows there are, those in brackets too."""
@@ -107,7 +125,9 @@ class Book:
         """How many terminals stand in the axiom itself."""
         rules = self.plain.keys() | self.fixed.keys() | self.templates.keys()
         return sum(
-            bool(row.name) and row.name not in rules for row in _all(self.plain.get(self.axiom, ()))
+            bool(each.name) and each.name not in rules
+            for row in self.plain.get(self.axiom, ())
+            for each in row.every
         )
 
     def drop_unused(self) -> None:
@@ -120,13 +140,13 @@ class Book:
             if used.keys() == self.uses().keys():
                 return
 
-    def stretches(self) -> Iterator[tuple[str, Path, tuple[Row, ...]]]:
+    def stretches(self) -> Iterator[tuple[str, Path, Rows]]:
         """Every sequence of rows, those in brackets too."""
         for name, rows in self.plain.items():
             for path, inner in _inside(rows, ()):
                 yield name, path, inner
 
-    def rows_at(self, stretch: Stretch) -> tuple[Row, ...]:
+    def rows_at(self, stretch: Stretch) -> Rows:
         """The rows of a stretch."""
         rows = self.plain[stretch.rule]
         for index in stretch.path:
@@ -138,46 +158,41 @@ class Book:
         repeats = (isinstance(row.other, ast.Repeat) for row in self.plain[name])
         return name == self.axiom or any(repeats)
 
-    def calls(self, name: str) -> list[Row] | None:
-        """The rows that name a rule; None where something else than plain rules does."""
-        fixed = (rule.body for rules in self.fixed.values() for rule in rules)
-        if any(name in modules(body) for body in fixed):
-            return None
-        if any(row.name == name for each in self.templates.values() for row in _all(each.rows)):
-            return None
-        rows = [row for own in self.plain.values() for row in _all(own)]
-        named = (row for each in self.templates.values() for row in _all(each.rows))
-        if any(name in row.symbols for row in (*rows, *named)):
-            return None
-        if any(row.other is not None and name in modules((row.other,)) for row in rows):
-            return None
-        return [row for row in rows if row.name == name]
+    def calls(self) -> Calls:
+        """The rows that name each rule."""
+        rows = [each for own in self.plain.values() for row in own for each in row.every]
+        named = [each for own in self.templates.values() for row in own.rows for each in row.every]
+        bound = {part for own in self.fixed.values() for rule in own for part in modules(rule.body)}
+        bound |= {row.name for row in named}
+        bound.update(*(row.symbols for row in (*rows, *named)))
+        bound.update(*(row.named for row in rows if row.other is not None))
+        found: dict[str, list[Row]] = {}
+        for row in rows:
+            found.setdefault(row.name, []).append(row)
+        return Calls(found, bound)
 
     def put(self, found: Mapping[Stretch, Row]) -> None:
         """Write one row in place of each stretch."""
+        found = {stretch: self.known.same(row) for stretch, row in found.items()}
         for name in dict.fromkeys(stretch.rule for stretch in found):
             own = {
                 (stretch.path, stretch.begin): (stretch.count, row)
                 for stretch, row in found.items()
                 if stretch.rule == name
             }
-            self.plain[name] = _rewritten(self.plain[name], (), own)
+            rows = _rewritten(self.plain[name], (), own, self.known)
+            self.plain[name] = self.known.rule(rows)
 
-    def write_out(self, names: Sequence[str], given: Rounding) -> None:
+    def write_out(self, names: Collection[str]) -> None:
         """Write the rows of some rules in place of calls of them, inmost rules first."""
-        order = [name for name in self.inmost_first() if name in names]
-        for name in order:
-            inner = self.plain[name]
-            for rule, rows in self.plain.items():
-                if rule != name:
-                    self.plain[rule] = _spread(rows, name, inner, given)
+        order = dict.fromkeys(self.inmost_first())
+        inner: dict[str, Rows] = {}
+        for name in [*order, *(name for name in self.plain if name not in order)]:
+            if not inner.keys().isdisjoint(self.parts_of(name)):
+                self.plain[name] = self.known.rule(_spread(self.plain[name], inner, self.known))
+            if name in names and name in order:
+                inner[name] = self.plain[name]
         self.drop_unused()
-
-    def named_in(self, name: str) -> Counter[str]:
-        """How often each name stands in a plain rule."""
-        found: Counter[str] = Counter()
-        _count(self.plain[name], found)
-        return found
 
     def inmost_first(self) -> list[str]:
         """Plain rules behind those that they name."""
@@ -186,7 +201,7 @@ class Book:
         def visit(name: str) -> None:
             if name in order or name not in self.plain:
                 return
-            for part in self.named_in(name):
+            for part in self.parts_of(name):
                 visit(part)
             order[name] = None
 
@@ -201,12 +216,12 @@ class Book:
         return total + sum(HEAD + sum(map(element_tokens, rule.body)) for rule in fixed)
 
 
-def read_book(rules: Sequence[ast.Rule]) -> Book:
+def read_book(rules: Sequence[ast.Rule], given: Rounding) -> Book:
     """The book of printed rules, the first one being the axiom."""
     by_name: dict[str, list[ast.Rule]] = {}
     for rule in rules:
         by_name.setdefault(rule.head.name, []).append(rule)
-    plain: dict[str, tuple[Row, ...]] = {}
+    plain: dict[str, Rows] = {}
     fixed: dict[str, tuple[ast.Rule, ...]] = {}
     for name, own in by_name.items():
         if len(own) == 1 and not own[0].head.parameters and own[0].guard is None:
@@ -226,7 +241,9 @@ def read_book(rules: Sequence[ast.Rule]) -> Book:
     for name in leaving & plain.keys() - {rules[0].head.name}:
         fixed[name] = tuple(by_name[name])
         del plain[name]
-    return Book(rules[0].head.name, plain, fixed, leaving=frozenset(leaving))
+    known = KnownRows(given)
+    plain = {name: known.rule(known.read(rows)) for name, rows in plain.items()}
+    return Book(rules[0].head.name, known, plain, fixed, leaving=frozenset(leaving))
 
 
 def _bare(row: Row) -> bool:
@@ -244,35 +261,7 @@ def _stays(row: Row) -> bool:
     return False
 
 
-def modules(body: Sequence[ast.Element]) -> Iterator[str]:
-    """The names that stand in a body."""
-    for each in body:
-        match each:
-            case ast.Module(name, args):
-                yield name
-                yield from (arg.value.id for arg in args if isinstance(arg.value, ast.Name))
-            case ast.Bracket(inner) | ast.Repeat(_, inner):
-                yield from modules(inner)
-
-
-def _count(rows: Sequence[Row], found: Counter[str]) -> None:
-    for row in rows:
-        if row.other is not None:
-            found.update(modules((row.other,)))
-        elif row.inner:
-            _count(row.inner, found)
-        else:
-            found.update((row.name, *row.symbols))
-
-
-def _all(rows: Sequence[Row]) -> Iterator[Row]:
-    """The rows and those in them."""
-    for row in rows:
-        yield row
-        yield from _all(row.inner)
-
-
-def _renamed(rows: tuple[Row, ...], names: Mapping[str, str]) -> tuple[Row, ...]:
+def _renamed(rows: Rows, names: Mapping[str, str]) -> Rows:
     return tuple(
         replace(
             row,
@@ -284,7 +273,7 @@ def _renamed(rows: tuple[Row, ...], names: Mapping[str, str]) -> tuple[Row, ...]
     )
 
 
-def _inside(rows: tuple[Row, ...], path: Path) -> Iterator[tuple[Path, tuple[Row, ...]]]:
+def _inside(rows: Rows, path: Path) -> Iterator[tuple[Path, Rows]]:
     yield path, rows
     for index, row in enumerate(rows):
         if row.inner:
@@ -292,49 +281,37 @@ def _inside(rows: tuple[Row, ...], path: Path) -> Iterator[tuple[Path, tuple[Row
 
 
 def _rewritten(
-    rows: tuple[Row, ...], path: Path, found: Mapping[tuple[Path, int], tuple[int, Row]]
-) -> tuple[Row, ...]:
+    rows: Rows, path: Path, found: Mapping[tuple[Path, int], tuple[int, Row]], known: KnownRows
+) -> Rows:
     made: list[Row] = []
     index = 0
     while index < len(rows):
         count, row = found.get((path, index), (1, rows[index]))
         if row is rows[index] and row.inner:
-            row = replace(row, inner=_rewritten(row.inner, (*path, index), found))
+            row = known.holding(row, _rewritten(row.inner, (*path, index), found, known))
         made.append(row)
         index += count
     return tuple(made)
 
 
-def _spread(
-    rows: tuple[Row, ...], name: str, inner: tuple[Row, ...], given: Rounding
-) -> tuple[Row, ...]:
-    """The rows with those of a rule in place of its calls."""
+def _spread(rows: Rows, inner: Mapping[str, Rows], known: KnownRows) -> Rows:
+    """The rows with those of some rules in place of calls of these."""
+    called: dict[str, list[Row]] = {}
+    for row in rows:
+        if not row.inner and row.name in inner and row.other is None:
+            called.setdefault(row.name, []).append(row)
+    written = {name: iter(known.written_out(own, inner[name])) for name, own in called.items()}
     made: list[Row] = []
     for row in rows:
         if row.inner:
-            own = _spread(row.inner, name, inner, given)
-            same = len(own) == len(row.inner) and all(map(is_, own, row.inner))
-            made.append(row if same else replace(row, inner=own))
-        elif row.name != name or row.other is not None:
-            made.append(row)
+            own = (
+                row.inner
+                if inner.keys().isdisjoint(row.named)
+                else _spread(row.inner, inner, known)
+            )
+            made.append(row if own is row.inner else known.holding(row, own))
+        elif row.name in written and row.other is None:
+            made += next(written[row.name])
         else:
-            made += written_out(row, inner, given)
+            made.append(row)
     return tuple(made)
-
-
-def written_out(call: Row, inner: tuple[Row, ...], given: Rounding) -> tuple[Row, ...]:
-    """The rows of a rule in place of a call of it."""
-    origin = call.origin or call.name
-    inner = tuple(each if each.origin else replace(each, origin=origin) for each in inner)
-    if call.pens or not all(each.placed for each in inner):
-        return (replace(call, name="", inner=inner),)
-    return moved(inner, _rounded(compose(frames_of([call]), frames_of(inner)), given))
-
-
-def _rounded(places: Frames, given: Rounding) -> Frames:
-    """Without what sums of decimals are off."""
-    x, y = (np.round(each, given.places) + 0.0 for each in (places.x, places.y))
-    return frames(
-        x + 1j * y, np.round(places.angle, 9) + 0.0, np.round(places.scale, 9),
-        places.handedness,
-    )  # fmt: skip

@@ -6,105 +6,136 @@ tokens that it could save. Nothing here looks at numbers.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from itertools import pairwise
-from operator import attrgetter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from heapq import heappop, heappush
+from itertools import accumulate, pairwise
 from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ipmlang.inverse.folding.book import Book, Path, Stretch
-from ipmlang.inverse.folding.rows import Kind, Row
+from ipmlang.inverse.folding.fits import HEAD, READ
+from ipmlang.inverse.folding.known_rows import KnownRows
+from ipmlang.inverse.folding.rows import Row
 from ipmlang.inverse.folding.symbols import given_symbols
-from ipmlang.inverse.folding.templates import HEAD, READ
 from ipmlang.inverse.lsystem.repeats import apart, find_repeats
 
-Alike: TypeAlias = Callable[[Row], Kind]
+Integers = NDArray[np.int64]
+Alike: TypeAlias = Callable[[KnownRows, Row], int]
 
-KIND: Alike = attrgetter("kind")  # numbers may differ
-FORM: Alike = attrgetter("form")  # symbols, too
+KIND: Alike = KnownRows.kind  # numbers may differ
+FORM: Alike = KnownRows.form  # symbols, too
 
 OFTEN = 12  # repeats of one order of magnitude in length
 LONG = 12  # tokens of a bracket that may be a rule of its own
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Lines:
+    """All sequences of rows of a book, one after the other.
+
+    first: where each sequence begins; rows: of all; homes: where each row stands; kinds: a number
+    for each, equal for rows that are alike; total: (n + 1,) tokens of the rows before each.
+    """
+
+    book: Book
+    first: list[int]
+    rows: list[Row]
+    homes: list[tuple[str, Path, int]]
+    kinds: list[int]
+    total: list[int]
+
+    def stretch(self, place: int, count: int) -> Stretch:
+        """The stretch of rows from a place on."""
+        name, path, begin = self.homes[place]
+        return Stretch(name, path, begin, count)
+
+    def bound(self, first: int, count: int, often: int) -> int:
+        """Tokens that so many stretches of so many rows save at most."""
+        size = self.total[first + count] - self.total[first]
+        return size * (often - 1) - often - HEAD
+
+    def symbols(self, places: Sequence[int], count: int) -> int:
+        """How many symbols would be parameters, -1 for too many."""
+        stretches = [self.rows[place : place + count] for place in places]
+        symbols = given_symbols(stretches, self.book.leaving)
+        return -1 if symbols is None else symbols.count
+
+
+def _lines(book: Book, alike: Alike) -> _Lines:
+    sequences = list(book.stretches())
+    rows = [row for _, _, own in sequences for row in own]
+    homes = [(name, path, k) for name, path, own in sequences for k in range(len(own))]
+    first = list(accumulate((len(own) for _, _, own in sequences[:-1]), initial=0))
+    total = list(accumulate((row.tokens for row in rows), initial=0))
+    return _Lines(book, first, rows, homes, [alike(book.known, row) for row in rows], total)
 
 
 def candidates(book: Book, most: int, alike: Alike) -> list[tuple[int, list[Stretch]]]:
     """The `most` best groups of stretches, each with the tokens that it saves at most; alike: what
     rows of one group have in common.
     """
-    sequences = list(book.stretches())
-    rows = [row for _, _, own in sequences for row in own]
-    homes = [(name, path, k) for name, path, own in sequences for k in range(len(own))]
-    found = _stretches(sequences, rows, homes, alike) + _brackets(rows, homes, alike)
-    same = alike is KIND
-    found += [] if same else _bodies(sequences, homes)
-    made = []
-    for first, stretches in found:
-        size = sum(row.tokens for row in rows[first : first + stretches[0].count])
-        bound = size * (len(stretches) - 1) - len(stretches) - HEAD
-        if bound > 0 and not same:
-            symbols = given_symbols([book.rows_at(each) for each in stretches], book.leaving)
-            count = -1 if symbols is None else symbols.count
-            bound = bound - count * (len(stretches) + 1 + READ) if count > 0 else 0
+    lines = _lines(book, alike)
+    found = [*_repeated(lines), *_brackets(lines)]
+    found += [] if alike is KIND else _bodies(lines)
+    # What overlaps, and symbols that are parameters, only make bounds less.
+    loose = [lines.bound(int(places[0]), count, len(places)) for places, count in found]
+    made: list[tuple[int, int, list[int], int]] = []
+    best: list[int] = []
+    for bound, which in sorted((-each, which) for which, each in enumerate(loose)):
+        if bound >= 0 or (len(best) == most and -bound < best[0]):
+            break
+        all_places, count = found[which]
+        places = apart(all_places, count).tolist()
+        bound = lines.bound(places[0], count, len(places))
+        if bound > 0 and alike is not KIND:
+            symbols = lines.symbols(places, count)
+            bound = bound - symbols * (len(places) + 1 + READ) if symbols > 0 else 0
         if bound > 0:
-            made.append((bound, stretches))
-    made.sort(key=lambda each: -each[0])
-    return made[:most]
+            made.append((-bound, which, places, count))
+            heappush(best, bound)
+            if len(best) > most:
+                heappop(best)
+    made.sort(key=lambda each: each[:2])
+    return [
+        (-bound, [lines.stretch(place, count) for place in places])
+        for bound, _, places, count in made[:most]
+    ]
 
 
-def _stretches(
-    sequences: list[tuple[str, Path, tuple[Row, ...]]],
-    rows: list[Row],
-    homes: list[tuple[str, Path, int]],
-    alike: Alike,
-) -> list[tuple[int, list[Stretch]]]:
-    """Two rows or more that occur twice or more, with where they occur first."""
-    known: dict[object, int] = {}
-    kinds = [known.setdefault(alike(row), len(known)) for row in rows]
-    ends = set(np.cumsum([len(own) for _, _, own in sequences]).tolist())
+def _repeated(lines: _Lines) -> Iterator[tuple[Integers, int]]:
+    """Where two rows or more begin that occur twice or more, and how many they are."""
+    last = {each - 1 for each in lines.first[1:]}
     steps: dict[object, int] = {}
     labels = [
-        steps.setdefault(("end", k) if k + 1 in ends else pair, len(steps))
-        for k, pair in enumerate(pairwise(kinds))
+        steps.setdefault(("end", k) if k in last else pair, len(steps))
+        for k, pair in enumerate(pairwise(lines.kinds))
     ]
-    weight = np.array([row.tokens for row in rows[: len(labels)]], np.float64)
-    found = []
+    weight = np.diff(np.array(lines.total[: len(labels) + 1], np.float64))
     for repeat in find_repeats(np.array(labels, np.int64), weight, OFTEN):
-        count = repeat.length + 1
-        places = apart(repeat.places, count).tolist()
-        if len(places) > 1 and count > 1:
-            found.append((places[0], [_stretch(homes[place], count) for place in places]))
-    return found
+        if repeat.length:
+            yield repeat.places, repeat.length + 1
 
 
-def _stretch(home: tuple[str, Path, int], count: int) -> Stretch:
-    name, path, begin = home
-    return Stretch(name, path, begin, count)
-
-
-def _brackets(
-    rows: list[Row], homes: list[tuple[str, Path, int]], alike: Alike
-) -> list[tuple[int, list[Stretch]]]:
+def _brackets(lines: _Lines) -> Iterator[tuple[Integers, int]]:
     """Brackets of the same kinds."""
-    found: dict[Kind, list[int]] = {}
-    for place, row in enumerate(rows):
+    found: dict[int, list[int]] = {}
+    for place, row in enumerate(lines.rows):
         if row.inner and row.tokens >= LONG:
-            found.setdefault(alike(row), []).append(place)
-    return [
-        (places[0], [_stretch(homes[place], 1) for place in places])
-        for places in found.values()
-        if len(places) > 1
-    ]
+            found.setdefault(lines.kinds[place], []).append(place)
+    for places in found.values():
+        if len(places) > 1:
+            yield np.array(places, np.int64), 1
 
 
-def _bodies(
-    sequences: list[tuple[str, Path, tuple[Row, ...]]], homes: list[tuple[str, Path, int]]
-) -> list[tuple[int, list[Stretch]]]:
+def _bodies(lines: _Lines) -> Iterator[tuple[Integers, int]]:
     """Whole rules of the same forms: where symbols may be any, few repeats end as they do."""
-    places = {home: place for place, home in enumerate(homes)}
-    found: dict[tuple[Kind, ...], list[Stretch]] = {}
-    for name, path, rows in sequences:
-        if not path and len(rows) > 1:
-            form = tuple(row.form for row in rows)
-            found.setdefault(form, []).append(Stretch(name, path, 0, len(rows)))
-    return [(places[own[0].rule, (), 0], own) for own in found.values() if len(own) > 1]
+    found: dict[tuple[int, ...], list[int]] = {}
+    for first, end in pairwise([*lines.first, len(lines.rows)]):
+        if end - first > 1 and not lines.homes[first][1]:
+            found.setdefault(tuple(lines.kinds[first:end]), []).append(first)
+    for form, places in found.items():
+        if len(places) > 1:
+            yield np.array(places, np.int64), len(form)

@@ -9,22 +9,23 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterator, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TypeAlias
 
 import numpy as np
 
 from ipmlang.compiler import ast
-from ipmlang.inverse.folding.book import Book, Stretch, read_book, written_out
+from ipmlang.inverse.folding.book import Book, Stretch, read_book
 from ipmlang.inverse.folding.candidates import FORM, KIND, Alike, candidates
-from ipmlang.inverse.folding.printing import printed, printed_tokens
+from ipmlang.inverse.folding.fits import HEAD, Rounding
+from ipmlang.inverse.folding.printing import PrintedTokens, printed, printed_tokens
+from ipmlang.inverse.folding.progressions import RepeatTokens
 from ipmlang.inverse.folding.rows import Row
-from ipmlang.inverse.folding.templates import HEAD, Rounding, Template, best_template, rounding
+from ipmlang.inverse.folding.templates import Template, best_template, rounding
 
-# Stretches by how many they are and by the rows that are in them, which are kept so that no other
-# row gets their number: the tokens that a template had to save, and the best that does.
+# Stretches, kept so that no other row gets the number of theirs, the tokens that a template had to
+# save, and the best that does.
 Fitted: TypeAlias = "tuple[list[tuple[Row, ...]], int, tuple[Template, int] | None]"
-Known = dict[tuple[int, ...], Fitted]
 
 LEAST = 6  # tokens that a rule must save
 ROUNDS = 24  # in each of which rules are found that do not meet
@@ -47,41 +48,63 @@ class Folded:
     loose: int = 0
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Known:
+    """What books of one folding have in common. fits: by how many stretches there are, and by the
+    rows that are in them; names: of templates, so that stretches of calls of them are the same too.
+    """
+
+    fits: dict[tuple[int, ...], Fitted] = field(default_factory=dict)
+    names: dict[int, str] = field(default_factory=dict)
+
+    def name(self, template: Template, book: Book) -> str:
+        """What the rule of a template is called in a book until it is printed."""
+        name = self.names.setdefault(id(template), f"<{len(self.names)}>")
+        while name in book.plain or name in book.templates:
+            name += "'"
+        return name
+
+
 def fold(rules: Sequence[ast.Rule], error: float, taken: Set[str]) -> Folded:
     """The shortest of what folding finds; error: units, what a number may be off; taken: names
     that rules and parameters may not have.
     """
     given, known = rounding(error), Known()
-    best, first = Folded(tuple(rules)), read_book(rules)
+    first = read_book(rules, given)
     if first.length() > MOST_ROWS:
-        return best
+        return Folded(tuple(rules))
     before, loose = printed_tokens(rules), first.loose()
+    counted = PrintedTokens(RepeatTokens(first.known, first.leaving))
+    best: tuple[int, Book | None] = 0, None
 
-    def folded(book: Book, alike: Sequence[Alike]) -> Folded:
-        _merge(book, given, known, before - best.spared, alike)
-        made = printed(book, given, taken)
-        return Folded(made, before - printed_tokens(made), book.loose() - loose)
+    def folded(book: Book, alike: Sequence[Alike]) -> int:
+        nonlocal best
+        _merge(book, given, known, before - best[0], alike)
+        spared = before - counted.of(book)
+        best = max(best, (spared, book), key=_spared)
+        return spared
 
     found: list[tuple[int, Book]] = []
-    for book in _levels(first, given):
+    for book in _levels(first):
         if book.length() > MOST_ROWS:
             break
-        made = folded(book.copy(), (KIND,))
-        found.append((made.spared, book))
-        best = max(best, made, key=_spared)
+        found.append((folded(book.copy(), (KIND,)), book))
     found.sort(key=lambda each: -each[0])
     for spared, book in found[:NAMED]:
         near = spared >= found[0][0] - NEAR * before
         if near and any(each.given.count for _, each in _best(book, given, known, (FORM,))):
-            best = max(best, folded(book, (KIND, FORM)), key=_spared)
-    return best
+            folded(book, (KIND, FORM))
+    spared, made = best
+    if made is None:
+        return Folded(tuple(rules))
+    return Folded(printed(made, given, taken), spared, made.loose() - loose)
 
 
-def _spared(folded: Folded) -> int:
-    return folded.spared
+def _spared(found: tuple[int, Book | None]) -> int:
+    return found[0]
 
 
-def _levels(book: Book, given: Rounding) -> Iterator[Book]:
+def _levels(book: Book) -> Iterator[Book]:
     """The book as it is, then with its largest rules written out, then smaller ones too."""
     yield book.copy()
     sizes = _sizes(book)
@@ -91,7 +114,7 @@ def _levels(book: Book, given: Rounding) -> Iterator[Book]:
     for step in steps:
         level = book.copy()
         large = [name for name, size in sizes.items() if size >= distinct[step]]
-        level.write_out(large, given)
+        level.write_out(large)
         yield level
 
 
@@ -99,7 +122,7 @@ def _sizes(book: Book) -> dict[str, int]:
     """How many terminals and fixed rules each plain rule draws."""
     sizes: dict[str, int] = {}
     for name in book.inmost_first():
-        sizes[name] = sum(sizes.get(part, 1) * often for part, often in book.named_in(name).items())
+        sizes[name] = sum(sizes.get(part, 1) * often for part, often in book.parts_of(name).items())
     return sizes
 
 
@@ -109,7 +132,6 @@ def _merge(
     """Put the stretches that save most into rules, round by round, as long as there is hope to come
     below the least tokens known: most is saved in the first rounds.
     """
-    number = 0
     for done in range(ROUNDS):
         if done and book.tokens() > least * (1 + 1 / (1 + done)):
             break
@@ -117,7 +139,7 @@ def _merge(
         put: dict[Stretch, Row] = {}
         touched: set[str] = set()
         for stretches, template in found:
-            name, number = f"<{number}>", number + 1
+            name = known.name(template, book)
             wish = _wish(book, stretches, template)
             put |= zip(stretches, template.call_rows(name), strict=True)
             touched |= {name, *(each.rule for each in stretches)}
@@ -126,7 +148,7 @@ def _merge(
         if not found:
             break
         book.put(put)
-        _write_out_poor(book, touched, given)
+        _write_out_poor(book, touched)
 
 
 def _best(
@@ -135,7 +157,7 @@ def _best(
     """The stretches that save most as one rule, and others that save hardly less elsewhere."""
     found: list[tuple[int, list[Stretch], Template]] = []
     most = LEAST / ALIKE
-    tried = [each for kind in alike for each in candidates(book, TRIED, kind)]
+    tried = [each for same in alike for each in candidates(book, TRIED, same)]
     for bound, stretches in sorted(tried, key=lambda each: -each[0]):
         if bound < most * ALIKE:
             break
@@ -165,10 +187,10 @@ def _fitted(
 ) -> tuple[Template, int] | None:
     """The template of some stretches that saves the tokens needed, looked for once."""
     key = (len(stretches), *(id(row) for rows in stretches for row in rows))
-    _, least, found = known.get(key, (stretches, needed + 1, None))
+    _, least, found = known.fits.get(key, (stretches, needed + 1, None))
     if found is None and needed < least:
         found = best_template(stretches, given, needed, leaving)
-        known[key] = stretches, needed, found
+        known.fits[key] = stretches, needed, found
     return found if found is not None and found[1] >= needed else None
 
 
@@ -182,19 +204,21 @@ def _wish(book: Book, stretches: Sequence[Stretch], template: Template) -> str:
     return book.wishes.get(most, most)
 
 
-def _write_out_poor(book: Book, names: Set[str], given: Rounding) -> None:
+def _write_out_poor(book: Book, names: Set[str]) -> None:
     """Write out those of some rules that no longer save enough."""
+    calls = book.calls()
     for name in [name for name in book.inmost_first() if name in names]:
-        if name in book.plain and _excess(book, name, given) > -LEAST:
-            book.write_out([name], given)
+        if name in book.plain and _excess(book, name, calls.of(name)) > -LEAST:
+            book.write_out([name])
+            calls = book.calls()
 
 
-def _excess(book: Book, name: str, given: Rounding) -> int:
+def _excess(book: Book, name: str, calls: Sequence[Row] | None) -> int:
     """Tokens that a rule adds to those of what it says where it is called."""
-    calls, rows = book.calls(name), book.plain[name]
+    rows = book.plain[name]
     if calls is None or book.stays(name):
         return -LEAST
     cost = HEAD + sum(row.tokens for row in (*calls, *rows))
     if len(calls) * len(rows) >= cost + LEAST:
         return -LEAST
-    return cost - sum(row.tokens for call in calls for row in written_out(call, rows, given))
+    return cost - sum(row.tokens for own in book.known.written_out(calls, rows) for row in own)

@@ -23,14 +23,18 @@ TURN = 1e-3  # degrees by which they differ at least
 ROOM = 4.0  # times the error of a number that a place on the circle may be off
 
 
+def may_turn(angles: Floats) -> bool:
+    """Whether the angles (…, k, m) of rows tell a middle, degrees."""
+    return angles.shape[-2] >= SURE and bool((np.ptp(angles, axis=-2) >= TURN).any())
+
+
 def about_points(
     rows: Sequence[Row], table: Floats, begins: Sequence[int], error: float
 ) -> tuple[tuple[Row, ...], Floats]:
     """The rows and their numbers (k, h), with four numbers more for each row that turns about a
     point: where it stands beside that. begins: the column of each row's first number.
     """
-    turns = table[:, np.asarray(begins, np.int64) + 2]
-    if len(table) < SURE or np.ptp(turns, axis=0).max(initial=0.0) < TURN:
+    if not may_turn(table[:, np.asarray(begins, np.int64) + 2]):
         return tuple(rows), table
     made: list[Row] = []
     columns: list[Floats] = []

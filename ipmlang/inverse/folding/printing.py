@@ -7,13 +7,15 @@ decides which rules there are.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence, Set
+from dataclasses import dataclass, field
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.tokens import is_free_name
-from ipmlang.inverse.folding.book import Book, modules
-from ipmlang.inverse.folding.progressions import VARIABLES, with_repeats
-from ipmlang.inverse.folding.rows import element_tokens, is_symbol
-from ipmlang.inverse.folding.templates import HEAD, Rounding
+from ipmlang.inverse.folding.book import Book
+from ipmlang.inverse.folding.fits import HEAD, Rounding
+from ipmlang.inverse.folding.progressions import VARIABLES, RepeatTokens, with_repeats
+from ipmlang.inverse.folding.rows import element_tokens, is_symbol, modules
+from ipmlang.inverse.folding.templates import Template
 
 NAMELESS = "Motif"
 
@@ -29,6 +31,46 @@ def printed(book: Book, given: Rounding, taken: Set[str]) -> tuple[ast.Rule, ...
         head = ast.Head(name, tuple(map(ast.Parameter, own)))
         made[name] = (ast.Rule(head, _shared(template.body(own, named.leaving), named.leaving)),)
     return tuple(rule for name in _order(named.axiom, made) for rule in made[name])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PrintedTokens:
+    """Tokens that books take in print, for books that have most of their rules in common."""
+
+    repeats: RepeatTokens
+    _templates: dict[int, tuple[Template, int]] = field(default_factory=dict)
+
+    def of(self, book: Book) -> int:
+        """Of the rules that are drawn, as `printed` prints them."""
+        return sum(self._of_rule(book, name) for name in _drawn(book))
+
+    def _of_rule(self, book: Book, name: str) -> int:
+        if name in book.plain:
+            return HEAD + self.repeats.of(book.plain[name])
+        if name in book.templates:
+            return self._of_template(book.templates[name])
+        return printed_tokens(book.fixed[name])
+
+    def _of_template(self, template: Template) -> int:
+        found = self._templates.get(id(template))
+        if found is None:
+            words, leaving = template.words, self.repeats.leaving
+            body = _shared(template.body(words, leaving), leaving)
+            head = HEAD + (2 + len(words) if words else 0)
+            found = template, head + sum(map(element_tokens, body))
+            self._templates[id(template)] = found
+        return found[1]
+
+
+def _drawn(book: Book) -> list[str]:
+    """The rules that the axiom names, and those that these name."""
+    order, known = [book.axiom], {book.axiom}
+    rules = book.plain.keys() | book.templates.keys() | book.fixed.keys()
+    for name in order:
+        more = rules & book.parts_of(name).keys() - known
+        known |= more
+        order += more
+    return order
 
 
 def printed_tokens(rules: Sequence[ast.Rule]) -> int:

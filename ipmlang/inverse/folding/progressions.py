@@ -7,14 +7,18 @@ number of a row may change by an equal step, its arguments too.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from itertools import groupby
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.compiler import ast
+from ipmlang.inverse.folding.fits import FINE, PLACES, Rounding
+from ipmlang.inverse.folding.known_rows import KnownRows
 from ipmlang.inverse.folding.rows import Row, element, element_tokens, plain
-from ipmlang.inverse.folding.templates import FINE, PLACES, TURNED, Rounding, labels_of
+from ipmlang.inverse.folding.templates import TURNED, labels_of
 from ipmlang.inverse.numbers import linear
 
 Floats = NDArray[np.float64]
@@ -46,17 +50,40 @@ def with_repeats(
     return tuple(_elements(rows, given, leaving))
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class RepeatTokens:
+    """Tokens that rows take with repeats, counted once for the same rows; each with those rows, so
+    that no others get their number.
+    """
+
+    known: KnownRows
+    leaving: Set[str]
+    _runs: dict[tuple[int, ...], tuple[tuple[Row, ...], int]] = field(default_factory=dict)
+
+    def of(self, rows: tuple[Row, ...]) -> int:
+        """Of rows that stand one after the other."""
+        runs = [list(own) for _, own in groupby(rows, self.known.kind)]
+        return sum(self._of_run(tuple(run)) for run in runs)
+
+    def _of_run(self, rows: tuple[Row, ...]) -> int:
+        """Of rows of one kind."""
+        key = tuple(map(id, rows))
+        found = self._runs.get(key)
+        if found is None:
+            made = _of_one_kind(rows, self.known.given, self.leaving)
+            found = self._runs[key] = rows, sum(map(element_tokens, made))
+        return found[1]
+
+
 def _elements(rows: Sequence[Row], given: Rounding, leaving: Set[str]) -> Iterator[ast.Element]:
-    start = 0
-    while start < len(rows):
-        end = start + 1
-        while end < len(rows) and rows[end].kind == rows[start].kind:
-            end += 1
-        if rows[start].placed and end - start >= FEWEST:
-            yield from _run(rows[start:end], given, leaving)
-        else:
-            yield from (_one(row, given, leaving) for row in rows[start:end])
-        start = end
+    for _, own in groupby(rows, attrgetter("kind")):
+        yield from _of_one_kind(list(own), given, leaving)
+
+
+def _of_one_kind(rows: Sequence[Row], given: Rounding, leaving: Set[str]) -> Iterator[ast.Element]:
+    if rows[0].placed and len(rows) >= FEWEST:
+        return _run(rows, given, leaving)
+    return (_one(row, given, leaving) for row in rows)
 
 
 def _one(row: Row, given: Rounding, leaving: Set[str]) -> ast.Element:

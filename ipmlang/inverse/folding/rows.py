@@ -70,6 +70,20 @@ class Row:
         return (*own, *(name for row in self.inner for name in row.names))
 
     @cached_property
+    def every(self) -> tuple[Row, ...]:
+        """The row and those in it."""
+        return (self, *(row for each in self.inner for row in each.every))
+
+    @cached_property
+    def named(self) -> tuple[str, ...]:
+        """The names that stand in it."""
+        if self.other is not None:
+            return tuple(modules((self.other,)))
+        if self.inner:
+            return tuple(name for row in self.inner for name in row.named)
+        return (self.name, *self.symbols)
+
+    @cached_property
     def numbers(self) -> tuple[float, ...]:
         """All its numbers: frame, arguments, those of inner rows."""
         inner = (value for row in self.inner for value in row.numbers)
@@ -175,6 +189,17 @@ def _start(moves: Sequence[ast.Element]) -> Row | None:
             return None
     x, y, angle, scale = frame
     return Row((x, y, angle, scale), hand, tuple(pens))
+
+
+def modules(body: Sequence[ast.Element]) -> Iterator[str]:
+    """The names that stand in a body."""
+    for each in body:
+        match each:
+            case ast.Module(name, args):
+                yield name
+                yield from (arg.value.id for arg in args if isinstance(arg.value, ast.Name))
+            case ast.Bracket(inner) | ast.Repeat(_, inner):
+                yield from modules(inner)
 
 
 # ------------------------------------------------------------------------ places
