@@ -61,11 +61,6 @@ class Chunk:
             return value
         return value[self.rows]  # type: ignore[return-value]  # the same kind of array
 
-    def words(self) -> tuple[Words, ...]:
-        """What the keys are made of: the words, the site and the copies."""
-        site = np.array(self.site, np.uint32) if isinstance(self.site, int) else self.site
-        return self.k0, self.k1, site, *self.copies
-
     def key(self) -> NDArray[np.uint64]:
         """The keys of what was drawn, packed."""
         words = [self.column(each) for each in (self.k0, self.k1, *self.copies)]
@@ -166,7 +161,7 @@ class _Columns:
         out = np.empty(len(self._places), np.uint64)
         small: dict[int, list[Chunk]] = {}
         for chunk in self._chunks:
-            if chunk.count > SMALL or (isinstance(chunk.site, int) and chunk.site == OWN):
+            if chunk.count > SMALL or not isinstance(chunk.site, int) or chunk.site == OWN:
                 out[self._places[chunk.start : chunk.start + chunk.count]] = chunk.key()
             elif chunk.count:
                 small.setdefault(len(chunk.copies), []).append(chunk)
@@ -240,13 +235,14 @@ class _Columns:
 
 
 def _keys_of(chunks: Sequence[Chunk]) -> NDArray[np.uint64]:
-    """The keys of chunks with equally many copies around them, one chunk after the other."""
-    words = [
-        [np.broadcast_to(each, (chunk.count,)) for each in map(chunk.column, chunk.words())]
-        for chunk in chunks
-    ]
-    k0, k1, *mixed = (np.concatenate(column) for column in zip(*words, strict=True))
-    return keys.packed(*keys.child(k0, k1, *mixed))
+    """The keys of chunks with equally many copies around them and one site each, one chunk after
+    the other.
+    """
+    words = [map(chunk.column, (chunk.k0, chunk.k1, *chunk.copies)) for chunk in chunks]
+    k0, k1, *copies = (np.concatenate(column) for column in zip(*words, strict=True))
+    sites = np.array([chunk.site for chunk in chunks], np.uint32)
+    site = np.repeat(sites, [chunk.count for chunk in chunks])
+    return keys.packed(*keys.child(k0, k1, site, *copies))
 
 
 def constant(value: float, count: int, kind: type[Scalar]) -> NDArray[Scalar]:

@@ -7,7 +7,7 @@ scales carries no scale, a flat one no z: executors carry these columns and no o
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 from ipmlang.compiler import ir
 from ipmlang.runtime.chains import tail_of
@@ -117,10 +117,9 @@ def _reads_label(program: ir.Program) -> bool:
     return any(each.op == "state" and each.const == "label" for each in _all(codes))
 
 
-def _all(codes: Iterable[Iterable[ir.Instruction]]) -> Iterator[ir.Instruction]:
+def _all(codes: Iterable[Sequence[ir.Instruction]]) -> Iterator[ir.Instruction]:
     for code in codes:
-        waiting = list(reversed(tuple(code)))
-        while waiting:
-            each = waiting.pop()
-            yield each
-            waiting += reversed(each.body)
+        yield from code
+        inner = [each.body for each in code if each.body]
+        if inner:
+            yield from _all(inner)

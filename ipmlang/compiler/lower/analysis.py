@@ -47,7 +47,7 @@ class Analysis:
     def symbols(self) -> tuple[ir.Symbol, ...]:
         """The symbols with `moves` set."""
         pairs = zip(self._symbols, self._moves, strict=True)
-        return tuple(replace(symbol, moves=moves) for symbol, moves in pairs)
+        return tuple(replace(symbol, moves=True) if moves else symbol for symbol, moves in pairs)
 
     def threaded(self, axiom: ir.Production) -> bool:
         """Whether anything that threads, looks around or cuts is there."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Literal, TypeAlias, assert_never
 
 from ipmlang.compiler import ast, ir
@@ -79,6 +80,7 @@ class Pool:
     attrs: dict[str, int] = field(default_factory=dict)
     assets: dict[ir.AssetFile, int] = field(default_factory=dict)
     contexts: dict[tuple[int, int], tuple[Place, int]] = field(default_factory=dict)
+    paths: dict[tuple[str, str], Path] = field(default_factory=dict)  # of files, by who names them
 
     def text(self, value: str) -> Known:
         """A text as its number."""
@@ -89,7 +91,11 @@ class Pool:
         file, _, node = item.reference.partition("#")
         if item.by_name:
             node = name.rpartition(".")[2]
-        made = ir.AssetFile(name, (unit.folder / file).absolute(), node or None)
+        key = (unit.source.path, file)
+        path = self.paths.get(key)
+        if path is None:
+            path = self.paths[key] = (unit.folder / file).absolute()
+        made = ir.AssetFile(name, path, node or None)
         return self.assets.setdefault(made, len(self.assets))
 
     def context(self, place: Place, channel: int) -> int:

@@ -8,10 +8,11 @@ here; a parameter that nobody gave is its default, which may be a number that op
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache as remember
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.lower.expr import Code, Environment, Known, Operand
-from ipmlang.compiler.ops import Operation
+from ipmlang.compiler.ops import OPERATIONS, Operation
 from ipmlang.compiler.ops.record import Param
 
 
@@ -36,8 +37,14 @@ def operands(
 
 def form_for(record: Operation, args: Sequence[ast.Argument]) -> tuple[Param, ...]:
     """The first form that takes these arguments; the checker has seen to it that there is one."""
-    count = sum(each.name is None for each in args)
-    named = {each.name for each in args if each.name is not None}
+    named = [each.name for each in args if each.name is not None]
+    return _form(record.name, len(args) - len(named), frozenset(named))
+
+
+@remember
+def _form(name: str, count: int, named: frozenset[str]) -> tuple[Param, ...]:
+    """The same for an operation that is called by so many places and by these names."""
+    record = OPERATIONS[name]
     for form in record.forms:
         places = [each for each in form if not each.named]
         least = sum(not each.optional for each in places)

@@ -46,6 +46,7 @@ class Lowering:
         self._meanings = Meanings(self._pool, main, self._turtle)
         self._numbers: dict[Key, int] = {}
         self._found: dict[Key, int | None] = {}
+        self._operations: dict[tuple[int, str], Operation | None] = {}
         self._takers = Takers(units)
         self._kinds: Counter[tuple[int, str, int]] = Counter()
         self._symbols: list[ir.Symbol] = []
@@ -86,7 +87,9 @@ class Lowering:
             strings = Strings(symbols, made.productions, found, tropism is not None)
             self._refuse_misplaced(strings.misplaced(first), number)
             pairs = zip(symbols, strings.apart, strict=True)
-            symbols = tuple(replace(symbol, apart=apart) for symbol, apart in pairs)
+            symbols = tuple(
+                replace(symbol, apart=True) if apart else symbol for symbol, apart in pairs
+            )
         canvas, size, decimals = settings.canvas(self._pool, self._main)
         flat = not scoped and analysis.flat(made.symbols, tropism)
         residual = self._residual(flat)
@@ -219,6 +222,12 @@ class Lowering:
 
     def operation(self, unit: Unit, name: str) -> Operation | None:
         """The record of what a name does to a scope, None where it means something else."""
+        key = (id(unit), name)
+        if key not in self._operations:
+            self._operations[key] = self._operation(unit, name)
+        return self._operations[key]
+
+    def _operation(self, unit: Unit, name: str) -> Operation | None:
         record = OPERATIONS.get(name)
         if record is None or record.family not in SCOPE_FAMILIES:
             return None

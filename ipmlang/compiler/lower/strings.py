@@ -21,6 +21,7 @@ TURTLE = frozenset({
 PENS = frozenset({"width", "color", "fill", "stroke", "css", "material", "texture"})
 VALUES = ir.VALUE_OPS - ir.SCOPE_OPS
 BODIES = frozenset({"module", "open", "close", "repeat"})
+PLAIN = VALUES | BODIES
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,8 +49,11 @@ class Strings:
         self._bent = bent
         self._what: dict[int, str | None] = {}  # what modules of symbols need a string for
         self._trouble: dict[int, Misplaced | None] = {}
+        self._code = {id(each): _code(each) for each in productions}
         own = [self._own(symbol) for symbol in symbols]
-        children = [{number for each in every for number in _called(each.body)} for every in own]
+        children = [
+            {number for rule in every for number in _called(self._code[id(rule)])} for every in own
+        ]
         plain = [self._is_plain(*pair) for pair in zip(symbols, own, strict=True)]
         mixed = _closed([not each for each in plain], children)
         needs = _closed([any(map(self._needs, every)) for every in own], children)
@@ -75,7 +79,7 @@ class Strings:
         return (
             not (symbol.held and meaning)
             and all(map(_is_turtles, meaning))
-            and all(each.op in VALUES | BODIES for rule in own for each in _code(rule))
+            and all(each.op in PLAIN for rule in own for each in self._code[id(rule)])
         )
 
     def _needs(self, production: ir.Production) -> bool:
@@ -90,7 +94,7 @@ class Strings:
     def _found_wrong(self, production: ir.Production) -> Misplaced | None:
         if production.left or production.right:
             return Misplaced(production, None, "a context")
-        for each in _all(production.body):
+        for each in self._code.get(id(production)) or _all(production.body):
             what = self._needed(each) if each.op == "module" else None
             if each.op == "repeat" and self._levels(each.body):
                 what = "a `repeat` that levels the turtle"  # which no scan over copies can do
@@ -155,20 +159,25 @@ def _is_turtles(each: ir.Instruction) -> bool:
     return each.op in VALUES or each.op in TURTLE
 
 
-def _code(production: ir.Production) -> Iterator[ir.Instruction]:
+def _code(production: ir.Production) -> list[ir.Instruction]:
+    """All instructions of a production, its conditions first."""
     guard = () if production.guard is None else production.guard[0]
     chance = () if production.chance is None else production.chance[1]
     return _all((*guard, *chance, *production.body))
 
 
-def _all(code: Sequence[ir.Instruction]) -> Iterator[ir.Instruction]:
+def _all(code: Sequence[ir.Instruction]) -> list[ir.Instruction]:
+    found = []
     for each in code:
-        yield each
-        yield from _all(each.body)
+        found.append(each)
+        if each.body:
+            found += _all(each.body)
+    return found
 
 
 def _called(code: Sequence[ir.Instruction]) -> Iterator[int]:
-    return (_number(each) for each in _all(code) if each.op == "module")
+    """The symbols of modules; conditions have none."""
+    return (_number(each) for each in code if each.op == "module")
 
 
 def _number(each: ir.Instruction) -> int:

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ipmlang.compiler import ast, compile_file, compile_loaded, ir
+from ipmlang.compiler import ast, collector, compile_file, compile_loaded, ir
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail, nearest
 from ipmlang.compiler.load import load_text
 from ipmlang.edit.buildings.contacts import neighbours
@@ -221,13 +221,8 @@ def grown(
             own = None if drawn is None else Drawn(draft.grammar, draft.added, drawn.terminals)
             return replace(known, draft=replace(draft, drawn=own))
     stamps = _stamps(draft)
-    if not draft.added:
-        loaded = load_text(draft.text, draft.folder, draft.allow_outside)
-        tree = tree_of(draft, compile_loaded(loaded)[1], seed=seed, attrs=attrs, like=like)
-    else:
-        with staged(draft, draft.path) as made, about(made, draft.path):
-            program = compile_file(made.path, allow_outside=draft.allow_outside)[1]
-            tree = tree_of(draft, program, seed=seed, attrs=attrs)
+    with collector.held():
+        tree = _derived(draft, seed, attrs, like)
     if plain:
         if not any(map(_replays, draft.grammar.items)):
             drawn = Drawn(draft.grammar, draft.added, len(tree.scene.instances))
@@ -242,6 +237,18 @@ def _note(tree: Tree) -> None:
     trees = _last_trees()
     if not trees or trees[-1] is not tree:
         trees.append(tree)
+
+
+def _derived(
+    draft: Draft, seed: int, attrs: Mapping[str, float] | None, like: Tree | None
+) -> Tree:
+    """The tree of a draft as its text says it."""
+    if not draft.added:
+        loaded = load_text(draft.text, draft.folder, draft.allow_outside)
+        return tree_of(draft, compile_loaded(loaded)[1], seed=seed, attrs=attrs, like=like)
+    with staged(draft, draft.path) as made, about(made, draft.path):
+        program = compile_file(made.path, allow_outside=draft.allow_outside)[1]
+        return tree_of(draft, program, seed=seed, attrs=attrs)
 
 
 @remember
