@@ -258,6 +258,22 @@ def test_sunflower_of_circles(jitter: float) -> None:
     assert best.parameters["spread"] == pytest.approx(4, abs=0.01)
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_shrinking_row_with_noise_as_large_as_its_last_steps(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    arm = 0.93 * np.exp(1j * np.deg2rad(-1))
+    index = np.arange(18)
+    at = 9 * arm**index / (arm - 1) + random.uniform(-0.09, 0.09, 18)
+    at = at + 1j * random.uniform(-0.09, 0.09, 18)
+    kept = random.random(18) >= 0.2
+    row = frames(at, -1.0 * index, 0.93**index)[kept]
+    other = random.uniform(-100, 100, (8, 2)) @ np.array([1, 1j])
+    clutter = frames(other, random.uniform(-180, 180, 8), random.uniform(0.6, 1.5, 8))
+    found = find(join([row, clutter]), order=random.permutation(len(row) + 8).tolist())
+    assert sorted(found[0].rows.tolist()) == list(range(len(row)))
+    assert found[0].scale.exact and found[0].angle.exact
+
+
 def test_scale_sequences_at_one_place() -> None:
     even = find(frames(np.full(7, 4 + 4j), 0.0, 1 + 0.5 * np.arange(7)), free=True)[0]
     assert (even.kind, even.exact, even.scale.geometric) == ("nest", True, False)

@@ -101,7 +101,7 @@ def grow(
     if len(rows) < LEAST_EXACT[model.kind]:
         return None
     order = np.argsort(index)
-    return _finished(known, model, index[order], rows[order], share)
+    return finished(known, model, index[order], rows[order], share)
 
 
 def _off(known: Cloud, model: Model, index: Integers, rows: Integers) -> Floats:
@@ -159,7 +159,7 @@ def _unbroken(wanted: Integers, first: int, last: int) -> Mask:
     return np.concatenate([near_before[::-1], inner, near_after])
 
 
-def _finished(
+def finished(
     known: Cloud, model: Model, index: Integers, rows: Integers, share: float
 ) -> Chain | None:
     """Without members that are too far off, closed where it is a full ring, with few holes."""

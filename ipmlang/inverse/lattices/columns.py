@@ -8,7 +8,7 @@ the rule is chosen. Few members that break a rule count as strays. Position is n
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
@@ -50,6 +50,9 @@ class Column:
         value = t0 + t1 * i + t2 * j + t3 * i * i
         value = value + self.other * odd(index, self.parity)
         return np.asarray(np.exp(value) if self.geometric else value, np.float64)
+
+
+Rule: TypeAlias = tuple[Column, Mask]  # and who follows it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -124,7 +127,7 @@ def _handedness(given: Frames, index: Integers) -> Column:
 # ------------------------------------------------------------------------ scale
 
 
-def _scale(value: Floats, index: Integers, slack: Slack) -> tuple[Column, Mask]:
+def _scale(value: Floats, index: Integers, slack: Slack) -> Rule:
     everyone = np.ones(len(value), np.bool_)
     for number, room in enumerate(slack.scale):
         for geometric in (False, True):
@@ -136,7 +139,19 @@ def _scale(value: Floats, index: Integers, slack: Slack) -> tuple[Column, Mask]:
     return Column("arbitrary", (float(np.median(value)), 0.0, 0.0, 0.0), exact=False), everyone
 
 
-def _first_rule(value: Floats, index: Integers, room: Floats) -> tuple[Column, Mask] | None:
+def _whole(every: Iterable[Rule | None]) -> Rule | None:
+    """The first rule that all members follow, or else the first that nearly all do: a turn that is
+    slightly wrong makes strays of the last members.
+    """
+    first: Rule | None = None
+    for made in every:
+        if made is not None and made[1].all():
+            return made
+        first = first or made
+    return first
+
+
+def _first_rule(value: Floats, index: Integers, room: Floats) -> Rule | None:
     """The simplest rule of numbers, and who follows it."""
     for parity, powers in _designs(index):
         made = _rule(value, index, room, powers, parity)
@@ -162,7 +177,7 @@ def _designs(index: Integers) -> Iterator[tuple[tuple[int, int], tuple[int, ...]
 
 def _rule(
     value: Floats, index: Integers, room: Floats, powers: tuple[int, ...], parity: tuple[int, int]
-) -> tuple[Column, Mask] | None:
+) -> Rule | None:
     """Least squares, then with strays left out; None unless nearly all follow."""
     alternates = parity != (0, 0)
     terms = len(powers) + alternates
@@ -213,12 +228,15 @@ def _angle(
 ) -> tuple[Column, Floats, Mask]:
     """The rule of the angles, the equivalent angles nearest to it, and who follows it."""
     for number, room in enumerate(slack.angle):
-        for slopes in _slopes(angle, index, turn, period):
-            made = _turning(angle, index, room, slopes, period, hand)
-            if made is not None:
-                column = replace(made[0], exact=number == 0)
-                near = angle + period * np.round((column.at(index) - angle) / period)
-                return column, near, made[1]
+        every = (
+            _turning(angle, index, room, slopes, period, hand)
+            for slopes in _slopes(angle, index, turn, period)
+        )
+        made = _whole(every)
+        if made is not None:
+            column = replace(made[0], exact=number == 0)
+            near = angle + period * np.round((column.at(index) - angle) / period)
+            return column, near, made[1]
     everyone = np.ones(len(angle), np.bool_)
     return Column("arbitrary", NOTHING, exact=False), _within(angle, period), everyone
 
@@ -276,7 +294,7 @@ def _turning(
     slopes: tuple[float, float, float],
     period: float,
     hand: Column,
-) -> tuple[Column, Mask] | None:
+) -> Rule | None:
     """The simplest rule of what is left after a guessed turn."""
     by_i, by_j, bend = slopes
     i, j = index.T.astype(np.float64)

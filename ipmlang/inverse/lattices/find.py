@@ -20,6 +20,7 @@ from ipmlang.inverse.lattices.models import Model
 from ipmlang.inverse.lattices.nets import Net
 from ipmlang.inverse.lattices.rings import find_sunflowers, join_rings
 from ipmlang.inverse.lattices.seeds import find_bends, find_rows
+from ipmlang.inverse.lattices.sizes import find_sized
 from ipmlang.inverse.lsystem.clusters import cluster
 from ipmlang.inverse.lsystem.frames import Complexes, Frames, mirrored
 
@@ -89,6 +90,7 @@ def _in_layer(known: Instances, spots: Complexes, points: Integers) -> list[Latt
         bent[row.rows] |= not row.model.straight
     chains = find_sunflowers(seen, bent)
     chains += [chain for share in shares for chain in find_bends(seen, bent, share, line)]
+    chains += find_sized(seen, known.placed.scale[points] * max(known.radius, known.exact))
     return _built(known, seen, points, nets, rows + chains)
 
 
