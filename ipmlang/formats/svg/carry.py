@@ -52,7 +52,11 @@ class Carrier:
         self._source = source
         self._known: dict[Node, tuple[str, Mapping[str, str]]] = {}
         self._under_way: set[Node] = set()
-        self._left = source.limits.carried
+        self.begin()
+
+    def begin(self) -> None:
+        """Count anew what is carried."""
+        self._left = self._source.limits.carried
 
     def charge(self, text: str) -> None:
         """Count what is carried against the limit."""

@@ -108,7 +108,8 @@ def _drawings(source: Source, nodes: Sequence[Node]) -> list[Drawing]:
     document, root = source.document, source.document.root
     box, viewport = _root_box(document)
     width, height = (root.attributes.get(name) for name in ("width", "height"))
-    walked = [_walked(source, node, viewport) for node in nodes]
+    walk = Walk(source)
+    walked = [_walked(walk, source, node, viewport) for node in nodes]
     moved = iter(_moved(source, [one for found in walked for one in found]))
     made = []
     for found in walked:
@@ -118,10 +119,12 @@ def _drawings(source: Source, nodes: Sequence[Node]) -> list[Drawing]:
     return made
 
 
-def _walked(source: Source, node: Node, viewport: tuple[float, float]) -> Sequence[Placed]:
+def _walked(
+    walk: Walk, source: Source, node: Node, viewport: tuple[float, float]
+) -> Sequence[Placed]:
     """What a node draws, in its own space."""
     root = source.document.root
-    walk = Walk(source, count_elements(source, node))
+    walk.begin(count_elements(source, node))
     if node is root or node.name in _CONTAINERS:
         style = source.cascade.in_document(node)
         if node is root:

@@ -43,9 +43,9 @@ _SEGMENTS_PER_ELEMENT = 4
 
 
 class Walk:
-    """One walk over one source; `placed` is what it has found so far."""
+    """Walks over one source, one after the other; `placed` is what the last has found so far."""
 
-    def __init__(self, source: Source, count: Count) -> None:
+    def __init__(self, source: Source) -> None:
         self.placed: list[Placed] = []
         self._source = source
         self._cascade = source.cascade
@@ -57,11 +57,6 @@ class Walk:
         self._outlines: dict[object, Outline | None] = {}
         self._above: dict[Node, frozenset[Node]] = {}
         self._conditional = source.left_out
-        most = source.limits.elements
-        self._limit = min(most, _MOST_IF_CYCLIC) if count.cyclic else most
-        self._empty = count.empty
-        self._visits = _FREE_VISITS + len(source.document.nodes)
-        self._segments = most * _SEGMENTS_PER_ELEMENT
         self._visitors: dict[str, Callable[[Node, Context], Below]] = {
             **dict.fromkeys(SHAPES, self._shape),
             **dict.fromkeys(("text", "image", "foreignObject"), self._fragment),
@@ -70,6 +65,16 @@ class Walk:
             "switch": self._switch,
             "use": self._use,
         }
+
+    def begin(self, count: Count) -> None:
+        """Set out anew, to draw what has been counted."""
+        most = self._source.limits.elements
+        self.placed = []
+        self._carrier.begin()
+        self._limit = min(most, _MOST_IF_CYCLIC) if count.cyclic else most
+        self._empty = count.empty
+        self._visits = _FREE_VISITS + len(self._source.document.nodes)
+        self._segments = most * _SEGMENTS_PER_ELEMENT
 
     def run(self, items: Iterable[tuple[Node, Context]]) -> None:
         """Draw the items and all below them, each in its context."""
