@@ -37,6 +37,7 @@ _WORST_GROWTH = 2e4  # arcs whose centres shift more than this are cut into othe
 # Forms of commands: 0 nothing, 1 L, 2 Q, 3 C, 4 A, 5 H, 6 V, 7 S, 8 T; the columns each prints of
 # (x1, y1, x2, y2, x3, y3), for A of (rx, ry, rotation, x, y).
 _LETTERS = ("", "L", "Q", "C", "A", "H", "V", "S", "T")
+_EITHER_LETTERS = np.array([_LETTERS, [letter.lower() for letter in _LETTERS]], object)
 _LINE, _QUADRATIC, _CUBIC, _ARC, _LEVEL, _UPRIGHT, _SMOOTH, _SMOOTHER = range(1, 9)
 _COLUMNS = np.array(
     [
@@ -190,13 +191,14 @@ def _points(pieces: Pieces, code: _Integers) -> _Floats:
 
 def _decimals(values: _Floats, outline: _Integers, allowed: _Floats) -> _Integers:
     """(k,) the fewest decimals by which no value (p, n, 2) of an outline is moved too far."""
-    starts = np.flatnonzero(np.diff(outline, prepend=-1))
+    given = ~np.isnan(values.reshape(len(values), -1))
+    flat = values.reshape(len(values), -1)[given]
+    starts = np.flatnonzero(np.diff(np.repeat(outline, given.sum(axis=1)), prepend=-1))
     found = np.full(len(allowed), _MOST_DECIMALS, np.int64)
     open_rows = np.arange(len(allowed))
-    flat = np.nan_to_num(values.reshape(len(values), -1))
     for decimals in range(_MOST_DECIMALS):
         scaled = flat * 10.0**decimals
-        off = np.abs(scaled - np.rint(scaled)).max(axis=1) * 10.0**-decimals
+        off = np.abs(scaled - np.rint(scaled)) * 10.0**-decimals
         worst = np.maximum.reduceat(off, starts)
         fine = worst <= allowed[open_rows]
         found[open_rows[fine]] = decimals
@@ -256,22 +258,22 @@ class _Printer:
 
     def texts(self) -> list[str]:
         """The path data of each outline."""
-        numbers = self._numbers()
-        letters = np.array(_LETTERS)[self._form].tolist()
-        relative = self._relative.tolist()
+        numbers, ends = self._numbers()
+        # Numbers behind others of the same command with what parts them.
+        parted = [_joint(before, word) + word for before, word in pairwise(numbers)]
+        letters = _EITHER_LETTERS[self._relative.astype(np.int64), self._form].tolist()
         moves = self._moves()
         arcs = self._arc_texts()
         steps = self._steps
         texts: list[str] = []
         words: list[str] = []
-        before, last, number = "", "", -1
-        for row, (opens, closes, outline) in enumerate(
-            zip(steps.opens.tolist(), steps.closes.tolist(), steps.outline.tolist(), strict=True)
-        ):
-            if outline != number:
+        before, last, number, start = "", "", -1, 0
+        columns = (letters, ends, steps.opens.tolist(), steps.closes.tolist())
+        outlines = steps.outline.tolist()
+        for row, (letter, end, opens, closes) in enumerate(zip(*columns, strict=True)):
+            if outlines[row] != number:
                 texts.append("".join(words))
-                words, before, last, number = [], "", "", outline
-            letter = letters[row].lower() if relative[row] else letters[row]
+                words, before, last, number = [], "", "", outlines[row]
             if opens:
                 move, x, y = moves[row]
                 if letter == "l" and not words:
@@ -279,35 +281,37 @@ class _Printer:
                 words += [move, x, _joint(x, y), y]
                 before, last = ("l" if move == "m" else "L"), y
             if letter:
-                given = numbers[row]
+                first = numbers[start]
                 if row in arcs:
-                    given = [*arcs[row], *given]
-                first = True
-                for word in given:
-                    joint = letter if first and letter != before else _joint(last, word)
-                    words += [joint, word]
-                    first, last = False, word
-                before = letter
+                    first = _joined([*arcs[row], first])
+                words.append(letter if letter != before else _joint(last, first))
+                words.append(first)
+                words += parted[start : end - 1]
+                before, last, start = letter, numbers[end - 1], end
             if closes:
                 words.append("z")
                 before = ""
         texts.append("".join(words))
         return texts[1:]
 
-    def _numbers(self) -> list[list[str]]:
-        """The numbers of each command in their order, arcs without radii."""
+    def _numbers(self) -> tuple[list[str], list[int]]:
+        """The numbers of all commands in their order, arcs without radii, and where those of each
+        end.
+        """
         used = _COLUMNS[self._form]
         used[self._arcs, 2:] = False
-        flat = self._texts_of(self._chosen[used], np.repeat(self._decimals, used.sum(axis=1)))
-        bounds = np.concatenate([[0], np.cumsum(used.sum(axis=1))]).tolist()
-        return [flat[a:b] for a, b in pairwise(bounds)]
+        counts = used.sum(axis=1)
+        texts = self._texts_of(self._chosen[used], np.repeat(self._decimals, counts))
+        return texts, np.cumsum(counts).tolist()
 
     def _texts_of(self, values: _Integers, decimals: _Integers) -> list[str]:
         texts = np.empty(len(values), object)
         for each in np.unique(decimals).tolist():
             rows = np.flatnonzero(decimals == each)
-            made = decimal_texts(values[rows] / 10.0**each, each)
-            texts[rows] = np.array([without_zero(text) for text in made], object)
+            made = " ".join(decimal_texts(values[rows] / 10.0**each, each))
+            # As `without_zero`, for all of them.
+            short = f" {made}".replace(" 0.", " .").replace(" -0.", " -.")
+            texts[rows] = np.array(short.split(), object)
         found: list[str] = texts.tolist()
         return found
 
@@ -378,19 +382,28 @@ def _forms(steps: _Steps, step: _Integers) -> _Integers:
 
 def _length(values: _Integers, used: _Flags, decimals: _Integers) -> _Integers:
     """(p,) characters of the numbers in use, signs and blanks included."""
-    size = np.abs(values)
-    unit = 10 ** decimals[:, None]
-    whole, rest = size // unit, size % unit
+    broken = np.abs(values) % 10 ** decimals[:, None] > 0
+    counts = used.sum(axis=1)
+    places = np.repeat(decimals, counts)
+    value, rest, before = values[used], broken[used], np.roll(broken, 1, axis=1)[used]
+    size = np.abs(value)
+    whole = size // 10**places
     zeros = np.zeros_like(size)
     for power in range(1, int(decimals.max(initial=0)) + 1):
         zeros += size % 10**power == 0
-    shown = np.where(rest > 0, 1 + decimals[:, None] - np.minimum(zeros, decimals[:, None]), 0)
-    digits = np.searchsorted(10 ** np.arange(18), whole.ravel(), side="right").reshape(size.shape)
+    shown = np.where(rest, 1 + places - np.minimum(zeros, places), 0)
+    digits = np.searchsorted(10 ** np.arange(18), whole, side="right")
     length = np.maximum(digits + shown, 1)
     # A minus parts numbers as a blank does; so does a point after a number that has one.
-    parted = (values >= 0) & ~((whole == 0) & (rest > 0) & np.roll(rest > 0, 1, axis=1))
-    length = length + (parted | (values < 0))
-    return np.asarray((length * used).sum(axis=1), np.int64)
+    parted = (value >= 0) & ~((whole == 0) & rest & before)
+    length = length + (parted | (value < 0))
+    row = np.repeat(np.arange(len(values)), counts)
+    return np.bincount(row, length, len(values)).astype(np.int64)
+
+
+def _joined(words: Sequence[str]) -> str:
+    """Numbers one after the other, with what parts them."""
+    return words[0] + "".join(_joint(before, word) + word for before, word in pairwise(words))
 
 
 def _joint(before: str, word: str) -> str:
