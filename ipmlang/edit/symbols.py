@@ -7,9 +7,9 @@ some symbols. Nothing is checked here: a tree may be half edited.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Hashable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import fields, is_dataclass, replace
-from functools import cache
+from operator import is_not
 from typing import TypeAlias, TypeVar, assert_never, cast
 
 from ipmlang.compiler import ast
@@ -177,55 +177,118 @@ def nodes(tree: object) -> Iterator[object]:
         if kind is tuple:
             waiting += cast("tuple[object, ...]", one)
             continue
-        names = _inner_names(cast("Hashable", kind))
+        names = _INNER[kind]
         if names is not None:
             yield one
             for name in names:
-                value = getattr(one, name)
-                if type(value) not in _PLAIN:
-                    waiting.append(value)
+                waiting.append(getattr(one, name))
 
 
-_PLAIN = frozenset({str, int, float, bool, type(None)})
-
-
-@cache
-def _inner_names(kind: Hashable) -> tuple[str, ...] | None:
-    """The fields of the nodes of a kind that hold others; None where these are no nodes, or
+class _Inner(dict[type, "tuple[str, ...] | None"]):
+    """The fields of the nodes of a kind that may hold others; None where these are no nodes, or
     comments.
     """
-    names = _field_names(kind)
-    if names is None or kind in (ast.Comment, ast.Span):
-        return None
-    return tuple(name for name in names if name != "span")
+
+    def __missing__(self, kind: type) -> tuple[str, ...] | None:
+        node = is_dataclass(kind) and kind is not ast.Comment
+        own = fields(kind) if node else ()
+        inner = (each.name for each in own if not _is_plain(str(each.type)))
+        self[kind] = tuple(inner) if node else None
+        return self[kind]
 
 
-@cache
-def _field_names(kind: Hashable) -> tuple[str, ...] | None:
-    """The fields of the nodes of a kind; None where these are no nodes."""
-    return tuple(each.name for each in fields(kind)) if is_dataclass(kind) else None
+_INNER = _Inner()
+
+
+def _is_plain(type_: str) -> bool:
+    """Whether what a field is declared to hold has no nodes in it, comments apart."""
+    return type_.startswith("Literal[") or type_ in _PLAIN
+
+
+_PLAIN = frozenset({
+    "str", "int", "float", "bool", "str | None", "int | None", "tuple[str, ...]", "BinaryOp",
+    "tuple[int, ...]", "Span", "tuple[Comment, ...]", "tuple[tuple[int, Comment], ...]",
+})  # fmt: skip
 
 
 def used_names(tree: object) -> set[str]:
     """The names that a tree asks for: symbols, values, tables, functions. Of a dotted name also the
     part before the dot, which is an import or a table's row.
     """
-    found: set[str] = set()
-    for node in nodes(tree):
-        name = _ASKING.get(type(node))
+    return _with_stems(_asked(tree, {}))
+
+
+def _with_stems(names: Iterable[str]) -> set[str]:
+    found = set(names)
+    return found | {name.partition(".")[0] for name in found if "." in name}
+
+
+_Known: TypeAlias = dict[int, tuple[object, tuple[str, ...]]]
+
+
+def _asked(tree: object, known: _Known) -> list[str]:
+    """The names that a tree asks for, as often as it does; those of some parts are known."""
+    found: list[str] = []
+    waiting = [tree]
+    while waiting:
+        one = waiting.pop()
+        kind = type(one)
+        if kind is tuple:
+            if known and id(one) in known:
+                found += known[id(one)][1]
+            else:
+                waiting += cast("tuple[object, ...]", one)
+            continue
+        name, inner = _ASKING.get(kind), _INNER[kind]
         if name is not None:
-            found.add(getattr(node, name))
-        elif isinstance(node, ast.Start):
-            found.update(node.sites)
-        elif isinstance(node, ast.Place) and node.kind == "surface" and node.reference is not None:
-            found.add(node.reference)
-    return found | {name.partition(".")[0] for name in found}
+            found.append(getattr(one, name))
+        elif kind in (ast.Start, ast.Place):
+            found += _placed_on(one)
+        for each in inner or ():
+            waiting.append(getattr(one, each))
+    return found
+
+
+def _placed_on(node: object) -> tuple[str, ...]:
+    """The sites or the surface that an axiom is placed on."""
+    match node:
+        case ast.Start(sites=sites):
+            return sites
+        case ast.Place(kind="surface", reference=str(name)):
+            return (name,)
+        case _:
+            return ()
 
 
 _ASKING: Mapping[type, str] = {
     ast.Name: "id", ast.Module: "name", ast.Call: "name", ast.Block: "name",
     ast.ContextModule: "name", ast.Rows: "table", ast.Residual: "table",
 }  # fmt: skip
+
+
+class Asked:
+    """The names that trees ask for, each tree gone through once as long as this lives: an edit
+    asks for those of rules that stay again and again.
+
+    >>> body = (ast.Module("A"), ast.Module("A"), ast.Module("roofs.Hip"))
+    >>> asked = Asked()
+    >>> sorted(asked.every(body)), sorted(asked.names(ast.Rule(ast.Head("B"), body)))
+    (['A', 'A', 'roofs.Hip'], ['A', 'roofs', 'roofs.Hip'])
+    """
+
+    def __init__(self) -> None:
+        self._known: _Known = {}
+
+    def every(self, tree: object) -> tuple[str, ...]:
+        """The names that a tree asks for, each as often as it does."""
+        found = self._known.get(id(tree))
+        if found is None:
+            found = self._known[id(tree)] = tree, tuple(_asked(tree, self._known))
+        return found[1]
+
+    def names(self, tree: object) -> set[str]:
+        """The same as `used_names`."""
+        return _with_stems(self.every(tree))
 
 
 def defined_names(item: ast.Item) -> tuple[str, ...]:
@@ -247,10 +310,12 @@ def defined_names(item: ast.Item) -> tuple[str, ...]:
             return ()
 
 
-def taken_names(grammar: ast.Grammar) -> set[str]:
+def taken_names(grammar: ast.Grammar, asked: Asked | None = None) -> set[str]:
     """Every name that stands anywhere in a grammar, parameters and counters included."""
-    found = used_names(grammar)
+    asked = asked or Asked()
+    found: set[str] = set()
     for item in grammar.items:
+        found |= asked.names(item)
         found.update(defined_names(item))
     for node in nodes(grammar):
         match node:
@@ -280,8 +345,9 @@ def free_name(grammar: ast.Grammar, wish: str) -> str:
     return f"{plain}_{number}"
 
 
-def needed_names(grammar: ast.Grammar) -> set[str]:
+def needed_names(grammar: ast.Grammar, asked: Asked | None = None) -> set[str]:
     """The names that the axiom leads to, and those that items without a name ask for."""
+    asked = asked or Asked()
     by_name: dict[str, list[ast.Item]] = {}
     found: set[str] = set()
     for item in grammar.items:
@@ -289,11 +355,11 @@ def needed_names(grammar: ast.Grammar) -> set[str]:
         for name in names:
             by_name.setdefault(name, []).append(item)
         if not names:
-            found |= used_names(item)
+            found |= asked.names(item)
     waiting = list(found)
     while waiting:
         for item in by_name.get(waiting.pop(), ()):
-            new = used_names(item) - found
+            new = asked.names(item) - found
             found |= new
             waiting += new
     return found
@@ -314,21 +380,19 @@ def without_names(grammar: ast.Grammar, names: set[str]) -> ast.Grammar:
 
 def mapped(tree: _Tree, change: Callable[[object], object]) -> _Tree:
     """The tree with every node put through `change`, from the inside out; comments stay."""
-    if isinstance(tree, ast.Comment | ast.Span):
-        return tree
-    if isinstance(tree, tuple):
-        parts = tuple(mapped(each, change) for each in tree)
-        same = all(one is other for one, other in zip(parts, tree, strict=True))
-        return tree if same else cast("_Tree", parts)
-    names = _field_names(cast("Hashable", type(tree)))
+    kind = type(tree)
+    if kind is tuple:
+        own = cast("tuple[object, ...]", tree)
+        parts = tuple([mapped(each, change) for each in own])
+        return cast("_Tree", parts) if any(map(is_not, parts, own)) else tree
+    names = _INNER[kind]
     if names is None:
         return tree
     different: dict[str, object] = {}
     for name in names:
         value = getattr(tree, name)
-        if type(value) not in _PLAIN:
-            made = mapped(value, change)
-            if made is not value:
-                different[name] = made
+        made = mapped(value, change)
+        if made is not value:
+            different[name] = made
     one = replace(tree, **different) if different else tree  # type: ignore[type-var]
     return cast("_Tree", change(one))

@@ -113,9 +113,9 @@ def test_one_of_many_is_resized_and_its_twins_are_not(tmp_path: Path) -> None:
 
 
 def box_size(tree: Tree, select: str, number: int) -> np.ndarray:
-    from ipmlang.edit.buildings.forms import Forms
+    from ipmlang.edit.buildings.measuring import Measured
 
-    low, high = Forms(tree).box(selected(tree, select, number)[0])
+    low, high = Measured(tree).box(selected(tree, select, number)[0])
     return np.asarray(high - low)
 
 

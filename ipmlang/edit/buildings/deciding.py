@@ -10,11 +10,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Literal
 
-import numpy as np
-
 from ipmlang.compiler import ast
 from ipmlang.edit.arithmetic import number_of
-from ipmlang.edit.buildings.forms import Forms, Unit
+from ipmlang.edit.buildings.measuring import Measured, Unit
 from ipmlang.edit.buildings.tree import Tree
 from ipmlang.edit.places import Found, Place, places
 from ipmlang.edit.symbols import nodes
@@ -29,14 +27,16 @@ def deciding(tree: Tree, key: Key, others: Sequence[Key], axis: int) -> Iterator
     `places`: of the shape's own rule first, then of those above. others: of the same kind, which
     are to keep their sizes.
     """
-    way = _way(tree, key)
-    twins = _twins(tree, key, others, axis)
-    numbered = list(enumerate(places(tree.draft.grammar)))
+    unit = unit_of(tree, key)
+    way = _way(tree, unit)
+    twins = _twins(tree, unit, others, axis)
+    numbered: list[tuple[int, Found]] = []
     for rule, step in _first_of_each(tree, way).items():
         if any(_hang_alike(tree, way, other, step) for other in twins):
             continue
         if step == 0 and key[0] == "shape" and _is_given(tree, way[0], axis):
             continue
+        numbered = numbered or list(enumerate(places(tree.draft.grammar)))
         aside = set() if step == 0 else _aside(tree, rule, tree.names[way[step - 1]])
         for number, (place, expr) in numbered:
             if place.rule == rule and id(expr) not in aside and _is_length(place, axis, step == 0):
@@ -45,10 +45,10 @@ def deciding(tree: Tree, key: Key, others: Sequence[Key], axis: int) -> Iterator
                     yield number, (place, expr)
 
 
-def _way(tree: Tree, key: Key) -> list[int]:
-    """The shapes from that of a key, or from the one that drew it, up to the start."""
-    kind, row = _unit(tree, key)
-    return tree.above(int(tree.owner[row]) if kind == "terminal" else row)
+def _way(tree: Tree, unit: Unit) -> list[int]:
+    """The shapes from a shape, or from the one that drew a terminal, up to the start."""
+    kind, row = unit
+    return tree.above(tree.owners[row] if kind == "terminal" else row)
 
 
 def _first_of_each(tree: Tree, way: Sequence[int]) -> dict[str, int]:
@@ -56,30 +56,28 @@ def _first_of_each(tree: Tree, way: Sequence[int]) -> dict[str, int]:
     return {tree.names[way[step]]: step for step in reversed(range(len(way)))}
 
 
-def _twins(tree: Tree, key: Key, others: Sequence[Key], axis: int) -> list[list[int]]:
+def _twins(tree: Tree, unit: Unit, others: Sequence[Key], axis: int) -> list[list[int]]:
     """The ways of the others that are as large now, terminals drawn in the same place of a rule."""
-    forms = Forms(tree)
-    unit = _unit(tree, key)
-    own = float(forms.extent(unit)[axis])
-    units = [_unit(tree, other) for other in others]
+    measured = Measured(tree)
+    own = float(measured.extent(unit)[axis])
     return [
-        _way(tree, key)
-        for key, other in zip(others, units, strict=True)
-        if abs(float(forms.extent(other)[axis]) - own) <= ALIKE * max(own, 1.0)
+        _way(tree, other)
+        for other in (unit_of(tree, key) for key in others)
+        if abs(float(measured.extent(other)[axis]) - own) <= ALIKE * max(own, 1.0)
         and _drawn(tree, other) == _drawn(tree, unit)
     ]
 
 
-def _unit(tree: Tree, key: Key) -> Unit:
+def unit_of(tree: Tree, key: Key) -> Unit:
+    """The shape or terminal of a key."""
     kind, own = key
-    keys = tree.lineage.key if kind == "shape" else tree.scene.instances.key
-    return kind, int(np.flatnonzero(keys == np.uint64(own))[0])
+    return kind, tree.rows_of[kind][own]
 
 
 def _drawn(tree: Tree, unit: Unit) -> int:
     """Which of the terminals that its shape drew a terminal is; 0 for shapes."""
     kind, row = unit
-    return 0 if kind == "shape" else tree.drawn[int(tree.owner[row])].index(row)
+    return 0 if kind == "shape" else tree.drawn[tree.owners[row]].index(row)
 
 
 def _hang_alike(tree: Tree, way: Sequence[int], other: Sequence[int], step: int) -> bool:
@@ -101,7 +99,7 @@ def _is_given(tree: Tree, row: int, axis: int) -> bool:
     """Whether a shape's size is that of the scope that it was given, which its own rule comes too
     late to change.
     """
-    return bool(tree.size[row, axis] > 0) and Forms(tree).fills(("shape", row))
+    return bool(tree.size[row, axis] > 0) and Measured(tree).fills(("shape", row))
 
 
 def _aside(tree: Tree, rule: str, below: str) -> set[int]:

@@ -16,7 +16,8 @@ import numpy as np
 from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.edit.arithmetic import literal
-from ipmlang.edit.buildings.forms import EXTENTS, Forms, Unit
+from ipmlang.edit.buildings.forms import EXTENTS, Forms
+from ipmlang.edit.buildings.measuring import Unit
 from ipmlang.edit.buildings.rewriting import Placed, rewritten
 from ipmlang.edit.buildings.rows import Room, laid_out
 from ipmlang.edit.buildings.tree import grown, unknown
@@ -102,7 +103,7 @@ def cut(
     forms = Forms(grown(draft))
     at = {}
     for unit in selected(forms.tree, select, number):
-        low, high = forms.box(unit)
+        low, high = forms.measured.box(unit)
         whole = float(high[axis] - low[axis])
         ordered = sorted(places)
         if not ordered:
@@ -124,7 +125,7 @@ def split(draft: Draft, select: str, axis: int, count: int, *, number: int | Non
     forms = Forms(grown(draft))
     at = {}
     for unit in selected(forms.tree, select, number):
-        low, high = forms.box(unit)
+        low, high = forms.measured.box(unit)
         whole = float(high[axis] - low[axis])
         if whole <= 0:
             raise fail("bad-command", f"`{select}` has no extent along its {AXES[axis]}")
@@ -133,14 +134,14 @@ def split(draft: Draft, select: str, axis: int, count: int, *, number: int | Non
 
 
 def _pieces(forms: Forms, unit: Unit, axis: int, ends: Sequence[float]) -> list[Placed]:
-    low, high = forms.box(unit)
+    low, high = forms.measured.box(unit)
     found = []
     for begin, end in itertools.pairwise(ends):
         corner, size = low.copy(), high - low
         corner[axis], size[axis] = low[axis] + begin, end - begin
         x, y, z = map(_literal, size)
-        frame = compose(forms.frame(unit), moved_to(corner))
-        found.append(Placed(frame, forms.fitted(unit, forms.owner(unit), (x, y, z))))
+        frame = compose(forms.measured.frame(unit), moved_to(corner))
+        found.append(Placed(frame, forms.fitted(unit, forms.measured.owner(unit), (x, y, z))))
     return found
 
 
@@ -152,15 +153,17 @@ def join(draft: Draft, select: str, numbers: Sequence[int], *, name: str | None 
         raise fail("bad-command", "two parts or more are joined", hint="--number 1 --number 2")
     forms = Forms(grown(draft))
     units = [selected(forms.tree, select, number)[0] for number in dict.fromkeys(numbers)]
-    owners = {forms.owner(unit) for unit in units}
+    owners = {forms.measured.owner(unit) for unit in units}
     if len(owners) > 1:
         message = f"these `{select}` stand in different shapes"
         raise fail("bad-command", message, hint="join parts that one rule made")
-    owner, first = owners.pop(), forms.frame(units[0])
-    base = Frames(first.position, *(getattr(forms.frame(("shape", owner)), each)
+    owner, first = owners.pop(), forms.measured.frame(units[0])
+    base = Frames(first.position, *(getattr(forms.measured.frame(("shape", owner)), each)
                                     for each in ("rotation", "hand", "scale")))  # fmt: skip
     back = inverse(base)
-    parts = [(compose(back, forms.frame(unit)), forms.plain(unit, owner)) for unit in units]
+    parts = [
+        (compose(back, forms.measured.frame(unit)), forms.plain(unit, owner)) for unit in units
+    ]
     bare = select.rpartition(".")[2]
     title = forms.new_name(name or f"{bare[0].upper()}{bare[1:]}_group")
     body, tables = laid_out(parts, Room(tolerance(forms.tree)), forms.new_name, title)
@@ -206,7 +209,7 @@ def scale(draft: Draft, terminal: str, factors: Floats) -> Draft:
 
 
 def _scaled(forms: Forms, unit: Unit, factors: Floats) -> Elements:
-    name = forms.name(unit)
+    name = forms.measured.name(unit)
     if not forms.tree.is_natural(unit[1]):
         shift = [
             times(literal((1 - k) / 2), each) for k, each in zip(factors, EXTENTS, strict=True)
@@ -218,7 +221,7 @@ def _scaled(forms: Forms, unit: Unit, factors: Floats) -> Elements:
         size = [times(literal(k), each) for k, each in zip(factors, EXTENTS, strict=True)]
         move = [] if all_nothing((x, y, z)) else [call("translate", x, y, z)]
         return (*move, call("size", *size), ast.Module(name))
-    low, high = forms.box(unit)
+    low, high = forms.measured.box(unit)
     corner = low - (factors - 1) / 2 * (high - low)
     size = [literal(float(each)) for each in (high - low) * factors]
     x, y, z = map(_literal, corner)

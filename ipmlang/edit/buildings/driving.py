@@ -19,7 +19,7 @@ from ipmlang.compiler.diagnostics import IpmError
 from ipmlang.compiler.format import format_expression
 from ipmlang.edit.arithmetic import literal, number_of
 from ipmlang.edit.buildings.deciding import Key, deciding
-from ipmlang.edit.buildings.forms import Forms
+from ipmlang.edit.buildings.measuring import Measured
 from ipmlang.edit.buildings.soundness import came_apart, extents, follows, out_of_line, runs_into
 from ipmlang.edit.buildings.tree import Tree, grown
 from ipmlang.edit.buildings.units import tolerance
@@ -178,11 +178,10 @@ def _tried(knob: Knob, value: float, like: Tree) -> Tree | None:
 def size_of(tree: Tree, key: Key, axis: int) -> float | None:
     """How large the shape of a key is along its own axis; None if it is not there."""
     kind, own = key
-    keys = tree.lineage.key if kind == "shape" else tree.scene.instances.key
-    rows = np.flatnonzero(keys == np.uint64(own))
-    if not len(rows) or (kind == "shape" and tree.first[rows[0]] >= len(tree.owner)):
+    row = tree.rows_of[kind].get(own)
+    if row is None or (kind == "shape" and tree.first[row] >= len(tree.owner)):
         return None
-    return float(Forms(tree).extent((kind, int(rows[0])))[axis])
+    return float(Measured(tree).extent((kind, row))[axis])
 
 
 # ---------------------------------------------------------------------------- parameters
@@ -192,7 +191,7 @@ def _knobs(tree: Tree, aim: Aim, axis: int) -> Iterator[Knob]:
     """The numbers that may decide: the lot, attributes and constants, rules from the shape up."""
     draft = tree.draft
     for number, item in enumerate(draft.grammar.items):
-        if isinstance(item, ast.Start) and item.place is not None and Forms(tree).reads_lot():
+        if isinstance(item, ast.Start) and item.place is not None and Measured(tree).reads_lot():
             yield from _lot(draft, number, item)
     for number, item in enumerate(draft.grammar.items):
         if isinstance(item, ast.Attr) and item.type in ("int", "float", None):

@@ -10,50 +10,31 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Literal, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
 from ipmlang.compiler import ast, ir
 from ipmlang.compiler.diagnostics import IpmError, fail
 from ipmlang.edit.arithmetic import literal
-from ipmlang.edit.buildings.asking import Asking
 from ipmlang.edit.buildings.baking import Asset, Baking
+from ipmlang.edit.buildings.measuring import BOX, Measured, Unit
 from ipmlang.edit.buildings.regularity import Part
 from ipmlang.edit.buildings.rows import Room, laid_out
-from ipmlang.edit.buildings.tree import Tree
-from ipmlang.edit.symbols import Elements, nodes, taken_names
-from ipmlang.inverse.frames import Floats, Frames, Integers, compose, identity, inverse, linear
+from ipmlang.edit.buildings.tree import BOUND, Tree
+from ipmlang.edit.symbols import Asked, Elements, nodes, taken_names
+from ipmlang.inverse.frames import Floats, Frames
 from ipmlang.inverse.numbers import shortest
 from ipmlang.inverse.split.placing import Precision, spots, steps_to
 from ipmlang.inverse.split.wording import all_nothing, bracket, call, times
 from ipmlang.runtime.scene import SCOPE
 
-Unit: TypeAlias = tuple[Literal["shape", "terminal"], int]
 Vector: TypeAlias = tuple[ast.Expr, ast.Expr, ast.Expr]
-NOTHING, BOX = 0, 1  # geometries: none, and the whole scope
-TEXTS = ("color", "fill", "stroke", "css", "material", "texture", "label")
-BOUND = ("uv", "join", "effect")  # of the state: what cannot be said apart from where it was made
+NOTHING = 0  # the geometry of what draws none
 EXTENTS: Vector = (ast.Name("scope.sx"), ast.Name("scope.sy"), ast.Name("scope.sz"))
 EXACT = Precision(0.0)
 SHARE = 1e-9  # of an extent, that a share of it may be off
 FEW = 1e-9  # of a size that is nothing
-SQUARE = 1e-7  # how far axes may be off that are the same
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Inside:
-    """A part of a shape in the axes of a frame: its frame there, low corner (3,) and, along its own
-    axes, its size (3,); axis (3,): which of the frame's each of its own is; square: it keeps its
-    own axes.
-    """
-
-    unit: Unit
-    frame: Frames
-    corner: Floats
-    size: Floats
-    axis: Integers
-    square: bool
 
 
 @dataclass(slots=True, eq=False)
@@ -72,95 +53,22 @@ class Forms:
     _fitted: dict[object, str] = field(default_factory=dict)
     _labels: dict[str, str] = field(default_factory=dict)
     baking: Baking | None = None
+    asked: Asked = field(default_factory=Asked)
     _modules: dict[int, dict[int, ast.Module]] = field(default_factory=dict)
-    _asking: Asking = field(init=False)
+    measured: Measured = field(init=False)
 
     def __post_init__(self) -> None:
-        self._asking = Asking(self.tree.program)
-
-    # ---------------------------------------------------------------------------- asking
-
-    def name(self, unit: Unit) -> str:
-        """The symbol of a shape, the label of a terminal."""
-        kind, row = unit
-        return self.tree.names[row] if kind == "shape" else self.tree.terminals.labels[row]
-
-    def owner(self, unit: Unit) -> int:
-        """The shape that made a unit."""
-        kind, row = unit
-        return int(self.tree.parent[row] if kind == "shape" else self.tree.owner[row])
-
-    def frame(self, unit: Unit) -> Frames:
-        """The frame of a unit, one row."""
-        kind, row = unit
-        one = self.tree.frames if kind == "shape" else self.tree.terminals.frames
-        return one[row : row + 1]
-
-    def fills(self, unit: Unit) -> bool:
-        """Whether a unit is as large as its scope says."""
-        kind, row = unit
-        if kind == "terminal":
-            return not self.tree.is_natural(row) and not self.is_solid(row)
-        symbol = int(self.tree.lineage.symbol[row])
-        return symbol >= 0 and self._asking.symbol_asks(symbol) and self._has_box(row)
-
-    def box(self, unit: Unit) -> tuple[Floats, Floats]:
-        """(3,) the corners of a unit in its own axes: its scope, where it fills that."""
-        kind, row = unit
-        if kind == "terminal":
-            return self.tree.terminals.low[row], self.tree.terminals.high[row]
-        if self.fills(unit):
-            return np.zeros(3), self.tree.size[row]
-        return self.tree.own_box(row)
-
-    def extent(self, unit: Unit) -> Floats:
-        """(3,) how large a unit is along its own axes: its scope, or where that has no extent, what
-        it draws.
-        """
-        low, high = self.box(unit)
-        size = high - low
-        if unit[0] == "shape" and (size <= 0).any():
-            first, last = self.tree.own_box(unit[1])
-            size = np.where(size > 0, size, last - first)
-        return np.asarray(size * self.frame(unit).scale[0])
-
-    def stretched(self, unit: Unit) -> Floats:
-        """(3,) how many times as large as in their files assets of a unit are at least, along its
-        own axes, where they fill scopes; 1 where there are none, or they stand askew.
-        """
-        kind, row = unit
-        tree, found = self.tree, []
-        for each in [row] if kind == "terminal" else tree.below(row):
-            mesh = tree.meshes.get(int(tree.scene.instances.asset[each]))
-            part: Unit = ("terminal", each)
-            if mesh is None or tree.is_natural(each) or not self.is_square(part, self.frame(unit)):
-                continue
-            natural = np.ptp(mesh.vertices, axis=0)
-            size = tree.terminals.high[each] * self.frame(part).scale[0]
-            turned = linear(compose(inverse(self.frame(unit)), self.frame(part)))[0]
-            axis = np.abs(turned).argmax(axis=1)
-            found.append(np.where(natural > 0, size / np.where(natural > 0, natural, 1), 1)[axis])
-        return np.min(found, axis=0) if found else np.ones(3)
-
-    def is_solid(self, row: int) -> bool:
-        """Whether a terminal has a geometry that only its rule can say."""
-        number = int(self.tree.scene.instances.asset[row])
-        return number < 0 and number != SCOPE
-
-    def reads_lot(self) -> bool:
-        """Whether anything asks how large the lot is: where nothing does, the lot is but a note."""
-        return self._asking.body_asks(self.tree.program.axiom.body)
-
-    def _has_box(self, row: int) -> bool:
-        """Whether the geometry of a shape is all of its scope."""
-        number = int(self.tree.lineage.state["geo"][row])
-        return number <= BOX or len(self.tree.scene.solids[number].vertices) in (4, 8)
+        self.measured = Measured(self.tree)
 
     # --------------------------------------------------------------------------- as it is
 
     def plain(self, unit: Unit, around: int) -> Elements:
         """A unit as it is, where a body of the shape `around` draws it in the unit's frame."""
-        size = tuple(literal(float(each)) for each in self.box(unit)[1]) if self.fills(unit) else ()
+        size = (
+            tuple(literal(float(each)) for each in self.measured.box(unit)[1])
+            if self.measured.fills(unit)
+            else ()
+        )
         return self._said(unit, around, size)
 
     def fitted(self, unit: Unit, around: int, size: Vector, base: Frames | None = None) -> Elements:
@@ -168,31 +76,18 @@ class Forms:
         `base`, or in its own.
         """
         kind, row = unit
-        turned = base is not None and not self.is_square(unit, base)
-        if self.fills(unit) and not turned:
+        turned = base is not None and not self.measured.is_square(unit, base)
+        if self.measured.fills(unit) and not turned:
             return self._said(unit, around, size)
         pens = self.pens(unit, around)
         scope = call("size", *size)
         if kind == "shape":
-            own = base if turned and base is not None else self.frame(unit)
+            own = base if turned and base is not None else self.measured.frame(unit)
             return (*pens, scope, ast.Module(self._fit_rule(row, own)))
-        name = self.name(unit)
-        if turned or self.is_solid(row):
-            name = self._bake(row, base if base is not None else self.frame(unit)).name
+        name = self.measured.name(unit)
+        if turned or self.measured.is_solid(row):
+            name = self._bake(row, base if base is not None else self.measured.frame(unit)).name
         return (*pens, scope, call("insert", ast.Name(name)), ast.Module(self._label(name)))
-
-    def box_in(self, unit: Unit, base: Frames) -> tuple[Floats, Floats]:
-        """(3,) the corners of a unit in the axes of a frame, and from its origin."""
-        kind, row = unit
-        rows = [row] if kind == "terminal" else self.tree.below(row)
-        return self.tree.box_of(rows, base)
-
-    def is_square(self, unit: Unit, base: Frames, along: Sequence[int] = (0, 1, 2)) -> bool:
-        """Whether the axes of a unit are those of a frame, in whatever order and direction; or some
-        of the frame's axes are among those of the unit.
-        """
-        turned = _turn_between(base, self.frame(unit))
-        return all(abs(max(map(abs, turned[k])) - 1) <= SQUARE for k in along)
 
     def _label(self, name: str) -> str:
         if name not in self._labels:
@@ -218,13 +113,13 @@ class Forms:
         if number >= 0:
             if size:
                 scope.append(call("insert", ast.Name(self.tree.scene.assets[number].name)))
-            return (*pens, *scope, ast.Module(self.name(unit)))
+            return (*pens, *scope, ast.Module(self.measured.name(unit)))
         if number != SCOPE:
-            return (*pens, ast.Module(self._bake(row, self.frame(unit)).name))
+            return (*pens, ast.Module(self._bake(row, self.measured.frame(unit)).name))
         geometry = self.tree.lineage.pens.get("geo")
         own = BOX if geometry is None else int(geometry[row])
         scope += self._geometry(own, row, around, self.tree.terminals.high[row])
-        return (*pens, *scope, ast.Module(self.name(unit)))
+        return (*pens, *scope, ast.Module(self.measured.name(unit)))
 
     def _geometry(
         self, own: float, row: int, around: int, size: Floats | None = None
@@ -268,19 +163,19 @@ class Forms:
         lineage = self.tree.lineage
         own = lineage.state if kind == "shape" else lineage.pens
         said: list[ast.Element] = []
-        for name, outer in lineage.state.items():
-            here, there = float(own[name][row]), float(outer[around])
+        for name in self.tree.told:
+            here, there = float(own[name][row]), float(lineage.state[name][around])
             if here == there or (here != here and there != there):
                 continue
             if name in BOUND:
                 raise _unsaid(self, unit, "its texture, effect or boolean spans several parts")
-            if name in TEXTS and here >= 0:
-                text = ast.Text(self.tree.program.strings[int(here)])
-                said.append(call(name, text))
-            elif name == "width":
+            if name == "width":
                 said.append(call("width", literal(here)))
             elif name == "layer":
                 said.append(call("layer", literal(here - there)))
+            elif here >= 0:
+                text = ast.Text(self.tree.program.strings[int(here)])
+                said.append(call(name, text))
         return tuple(said)
 
     # ---------------------------------------------------------------------- relative rules
@@ -298,11 +193,11 @@ class Forms:
 
     def shares(self, row: int, base: Frames) -> Elements:
         """A body that draws a shape in shares of a scope whose axes are those of a frame."""
-        low, high = self.box_in(("shape", row), base)
+        low, high = self.measured.box_in(("shape", row), base)
         extent = high - low
         body: list[ast.Element] = []
-        for each in self.inside(row, base):
-            corner, size, axis = each.corner, each.size, each.axis
+        for each in self.measured.inside(row, base):
+            corner, size, axis = each.corner, each.size, each.turned.argmax(axis=0)
             x, y, z = (_share(corner[k] - low[k], extent[k], EXTENTS[k]) for k in range(3))
             place = (x, y, z)
             scope = [_share(size[k], extent[axis[k]], EXTENTS[axis[k]]) for k in range(3)]
@@ -313,29 +208,14 @@ class Forms:
             body.append(bracket([*move, *turn, *inner]))
         return tuple(body)
 
-    def inside(self, row: int, base: Frames, along: Sequence[int] = (0, 1, 2)) -> list[Inside]:
-        """The parts of a shape in the axes of a frame, and from its origin; along: the axes along
-        which they must not stand askew.
-        """
-        found = []
-        for unit in self._square_parts(row, base, along):
-            square = self.is_square(unit, base, along)
-            first, last = self.box(unit) if square else self.box_in(unit, base)
-            frame = compose(inverse(base), self.frame(unit)) if square else identity()
-            turned = linear(frame)[0]
-            corner = turned @ first + frame.position[0]
-            size, axis = (last - first) * frame.scale[0], np.abs(turned).argmax(axis=0)
-            found.append(Inside(unit, frame, corner, size, axis, square))
-        return found
-
     def row_rule(self, unit: Unit, size: Floats, axes: tuple[int, ...], base: Frames) -> str:
         """The rule for a unit that stands as often as it fits along some axes of its scope, about
         as large as `size` (3,).
         """
-        owner = self.owner(unit)
+        owner = self.measured.owner(unit)
         body = self.fitted(unit, owner, EXTENTS, base)
         inner = body[len(self.pens(unit, owner)) + 1 :]  # the scope is that of a cell
-        symbol = self.name(unit)
+        symbol = self.measured.name(unit)
         key = (symbol, axes, inner)
         if key not in self._fitted:
             for axis in reversed(axes):
@@ -347,23 +227,6 @@ class Forms:
             self._fitted[key] = name
             self.rules[name] = (symbol, tuple(inner))
         return self._fitted[key]
-
-    def _square_parts(self, row: int, base: Frames, along: Sequence[int]) -> list[Unit]:
-        """The parts of a shape; those of the shapes in it that stand askew, one by one."""
-        found: list[Unit] = []
-        for unit in self.parts(row):
-            askew = unit[0] == "shape" and not self.is_square(unit, base, along)
-            found += self._square_parts(unit[1], base, along) if askew else [unit]
-        return found
-
-    def parts(self, row: int) -> list[Unit]:
-        """What a shape made and drew, in the order of the derivation, if it draws anything."""
-        first, count = self.tree.first, len(self.tree.owner)
-        found: list[tuple[int, Unit]] = [
-            (each, ("terminal", each)) for each in self.tree.drawn[row]
-        ]
-        found += [(int(first[each]), ("shape", each)) for each in self.tree.children[row]]
-        return [unit for place, unit in sorted(found) if place < count]
 
     def laid(self, row: int, parts: Sequence[Part], near: float) -> Elements:
         """The body of a shape that draws parts at their frames; near: what numbers may be off.
@@ -379,27 +242,13 @@ class Forms:
         from ipmlang.compiler.ops import FUNCTIONS, OPERATIONS
 
         if not self._taken:
-            self._taken |= taken_names(self.tree.draft.grammar) | set(OPERATIONS) | set(FUNCTIONS)
+            taken = taken_names(self.tree.draft.grammar, self.asked)
+            self._taken |= taken | OPERATIONS.keys() | FUNCTIONS.keys()
         number, name = 2, wish
         while name in self._taken or name in self.rules:
             name, number = f"{wish}_{number}", number + 1
         self._taken.add(name)
         return name
-
-
-def _turn_between(base: Frames, frame: Frames) -> list[tuple[float, float, float]]:
-    """The rows of the matrix that turns the axes of one frame to those of another, up to signs
-    where either is mirrored.
-    """
-    a, b, c, d = base.rotation[0].tolist()
-    e, f, g, h = frame.rotation[0].tolist()
-    w, x = a * e + b * f + c * g + d * h, a * f - b * e - c * h + d * g
-    y, z = a * g + b * h - c * e - d * f, a * h - b * g + c * f - d * e
-    return [
-        (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
-        (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
-        (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
-    ]
 
 
 def _share(value: float, whole: float, extent: ast.Expr) -> ast.Expr:
@@ -435,13 +284,13 @@ def _by_site(production: ir.Production, item: ast.Item) -> dict[int, ast.Module]
 
 
 def _unsaid(forms: Forms, unit: Unit, why: str) -> IpmError:
-    owner = forms.owner(unit)
+    owner = forms.measured.owner(unit)
     rule = forms.tree.names[owner] if owner >= 0 else "start"
     return fail(
         "cannot-edit-there",
-        f"`{forms.name(unit)}` in `{rule}` cannot be written down by itself: {why}",
+        f"`{forms.measured.name(unit)}` in `{rule}` cannot be written down by itself: {why}",
         hint=f"select `{rule}` or what is around it, or change its parameters: ipmlang edit set",
     )
 
 
-__all__ = ["EXACT", "EXTENTS", "Forms", "Unit", "Vector"]
+__all__ = ["EXACT", "EXTENTS", "Forms", "Vector"]

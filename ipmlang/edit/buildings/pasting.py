@@ -16,7 +16,8 @@ import numpy as np
 from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.edit.arithmetic import literal
-from ipmlang.edit.buildings.forms import EXTENTS, Forms, Unit
+from ipmlang.edit.buildings.forms import EXTENTS, Forms
+from ipmlang.edit.buildings.measuring import Unit
 from ipmlang.edit.buildings.rewriting import Placed, rewritten
 from ipmlang.edit.buildings.tree import grown
 from ipmlang.edit.buildings.units import selected
@@ -69,30 +70,35 @@ def paste(
 
 
 def _refuse_loops(forms: Forms, source: Unit, targets: Sequence[Unit]) -> None:
-    rows = set(forms.tree.above(forms.owner(source)))
+    rows = set(forms.tree.above(forms.measured.owner(source)))
     for kind, row in targets:
         if kind == "shape" and row in rows:
-            message = f"`{forms.name(source)}` stands in `{forms.name((kind, row))}` itself"
+            names = forms.measured.name(source), forms.measured.name((kind, row))
+            message = f"`{names[0]}` stands in `{names[1]}` itself"
             raise fail("bad-command", message, hint="choose one that does not, with --number")
 
 
 def into(forms: Forms, source: Unit, others: Forms, target: Unit, fill: bool = False) -> Placed:
     """A source of one tree in the box of a target of another (or the same), turned as that is."""
-    low, high = others.box(target)
-    own_low, own_high = forms.box(source)
-    natural = (own_high - own_low) * forms.frame(source).scale[0] / others.frame(target).scale[0]
+    low, high = others.measured.box(target)
+    own_low, own_high = forms.measured.box(source)
+    natural = (
+        (own_high - own_low)
+        * forms.measured.frame(source).scale[0]
+        / others.measured.frame(target).scale[0]
+    )
     matrix = _turn(forms, source, others, target, high - low)
     size = (high - low)[np.abs(matrix).argmax(axis=0)]
     size = np.where(size > 0, size, natural)
     corner = np.where(matrix.sum(axis=1) > 0, low, high)
     inner = from_matrices(np.concatenate([matrix, corner[:, None]], axis=1)[None])
-    frame = compose(others.frame(target), inner)
-    around = others.owner(target) if forms is others else 0
+    frame = compose(others.measured.frame(target), inner)
+    around = others.measured.owner(target) if forms is others else 0
     x, y, z = (literal(float(each)) for each in size)
     often = [k for k in range(3) if fill and natural[k] > 0 and size[k] >= OFTEN * natural[k]]
     if not often:
         return Placed(frame, forms.fitted(source, around, (x, y, z)))
-    name = forms.row_rule(source, natural, tuple(often), forms.frame(source))
+    name = forms.row_rule(source, natural, tuple(often), forms.measured.frame(source))
     scope = ast.Module("size", tuple(ast.Argument(each) for each in (x, y, z)))
     return Placed(frame, (*forms.pens(source, around), scope, ast.Module(name)))
 
@@ -101,11 +107,11 @@ def _turn(forms: Forms, source: Unit, others: Forms, target: Unit, extent: Float
     """(3, 3) the axes of a source, as columns, in those of a target: up to up, thin to thin. Two
     that fill their scopes have the same axes.
     """
-    if forms.fills(source) and others.fills(target):
+    if forms.measured.fills(source) and others.measured.fills(target):
         return np.eye(3)
-    low, high = forms.box(source)
-    mine = _ordered(forms.frame(source), high - low)
-    theirs = _ordered(others.frame(target), extent)
+    low, high = forms.measured.box(source)
+    mine = _ordered(forms.measured.frame(source), high - low)
+    theirs = _ordered(others.measured.frame(target), extent)
     matrix = np.zeros((3, 3))
     for (k, up), (a, other) in zip(mine, theirs, strict=True):
         matrix[a, k] = up * other
@@ -129,18 +135,18 @@ def _inserted(forms: Forms, source: Unit, target: Unit) -> list[Placed]:
     """The target in each part of the source, which is fitted to the target's box."""
     if source[0] == "terminal":
         raise fail("bad-command", "only a rule can be inserted: a terminal has no parts")
-    low, high = forms.box(source)
-    first, last = forms.box(target)
+    low, high = forms.measured.box(source)
+    first, last = forms.measured.box(target)
     axis = np.abs(_turn(forms, source, forms, target, last - first)).argmax(axis=1)
     extent = np.where(high > low, high - low, 1.0)
     placed = []
-    for unit in forms.parts(source[1]):
-        begin, end = forms.box_in(unit, forms.frame(source))
+    for unit in forms.measured.parts(source[1]):
+        begin, end = forms.measured.box_in(unit, forms.measured.frame(source))
         share = np.stack([(begin - low) / extent, (end - low) / extent])[:, axis]
         corner = first + share[0] * (last - first)
         x, y, z = (literal(float(each)) for each in (share[1] - share[0]) * (last - first))
-        frame = compose(forms.frame(target), moved_to(corner))
-        placed.append(Placed(frame, forms.fitted(target, forms.owner(target), (x, y, z))))
+        frame = compose(forms.measured.frame(target), moved_to(corner))
+        placed.append(Placed(frame, forms.fitted(target, forms.measured.owner(target), (x, y, z))))
     return placed
 
 
@@ -205,7 +211,7 @@ def mixed(draft: Draft, among: Sequence[str], *, name: str | None = None) -> Dra
         raise fail("bad-command", message, hint="name two or more: --among Floor --among Attic")
     forms = Forms(grown(draft))
     sources = [selected(forms.tree, each, 1)[0] for each in dict.fromkeys(among)]
-    wish = name or f"Any_{forms.name(sources[0]).rpartition('.')[2]}"
+    wish = name or f"Any_{forms.measured.name(sources[0]).rpartition('.')[2]}"
     title = forms.new_name(wish)
     rules = []
     for place, source in enumerate(sources):
@@ -216,9 +222,9 @@ def mixed(draft: Draft, among: Sequence[str], *, name: str | None = None) -> Dra
         rules.append(ast.Rule(ast.Head(title), body, guard, chance))
     at: dict[Unit, Sequence[Placed]] = {}
     for source in sources:
-        for target in selected(forms.tree, forms.name(source)):
-            low, high = forms.box(target)
-            frame = compose(forms.frame(target), moved_to(low))
+        for target in selected(forms.tree, forms.measured.name(source)):
+            low, high = forms.measured.box(target)
+            frame = compose(forms.measured.frame(target), moved_to(low))
             size = tuple(ast.Argument(literal(float(each))) for each in high - low)
             at[target] = [Placed(frame, (ast.Module("size", size), ast.Module(title)))]
     made = rewritten(forms, at, what=title)

@@ -13,11 +13,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ipmlang.compiler.diagnostics import fail
-from ipmlang.edit.buildings.forms import Forms, Unit
+from ipmlang.edit.buildings.forms import Forms
+from ipmlang.edit.buildings.measuring import Unit
 from ipmlang.edit.buildings.rewriting import Placed
 from ipmlang.edit.buildings.sizing import STAYS, Sizing, own_ratios, ratios
 from ipmlang.edit.buildings.units import Units
-from ipmlang.inverse.frames import Floats, Frames, compose, from_matrices, inverse, linear
+from ipmlang.inverse.frames import Floats, Frames, from_matrices
 
 LARGE, LITTLE = 1.8, 0.4  # times its size: beyond, a part is split, or joined (section 4.1)
 MOST = 1000  # copies of a part along an axis
@@ -35,32 +36,26 @@ class Rebuilt:
     high: Floats
     near: float
     sizing: Sizing = field(init=False)
+    upright: Frames = field(init=False)
 
     def __post_init__(self) -> None:
         self.sizing = Sizing(self.forms, self.near)
+        self.upright = _upright(self.made.axes)
 
     def placed(self) -> dict[Unit, list[Placed]]:
         """What stands in place of each unit that is elsewhere, or of another size."""
-        before = self.made.high - self.made.low
-        after = self.high - self.low
-        gone = self._join(ratios(before, after, STAYS * self.near))
+        made, same = self.made, STAYS * self.near
+        before = made.high - made.low
+        gone = self._join(ratios(before, self.high - self.low, same))
         self._even_out()
-        ratio = ratios(before, self.high - self.low, STAYS * self.near)
-        found: dict[Unit, list[Placed]] = {}
-        for k, unit in enumerate(self.made.units):
-            if k in gone:
-                found[unit] = []
-                continue
-            if self._stays(self.low[k], self.made.low[k]) and self._stays(
-                self.high[k], self.made.high[k]
-            ):
-                continue
-            found[unit] = [self._unit(k, unit, ratio[k])]
-        return found
-
-    def _stays(self, place: Floats, before: Floats) -> bool:
-        """Whether places (3,) are what they were, to far less than what touches."""
-        return bool(np.abs(place - before).max() <= STAYS * self.near)
+        ratio = ratios(before, self.high - self.low, same)
+        low, high = np.abs(self.low - made.low), np.abs(self.high - made.high)
+        moved = (np.maximum(low, high).max(axis=1, initial=0.0) > same).tolist()
+        return {
+            unit: [] if k in gone else [self._unit(k, unit, ratio[k])]
+            for k, unit in enumerate(made.units)
+            if k in gone or moved[k]
+        }
 
     def _even_out(self) -> None:
         """Parts of one kind that got sizes which differ by less than what touches get one, about
@@ -68,11 +63,11 @@ class Rebuilt:
         """
         kinds: dict[str, list[int]] = {}
         for k, unit in enumerate(self.made.units):
-            kinds.setdefault(self.forms.name(unit), []).append(k)
-        grown = np.abs((self.high - self.low) - (self.made.high - self.made.low))
-        for every in kinds.values():
-            for axis in range(3):
-                rows = [k for k in every if grown[k, axis] > STAYS * self.near]
+            kinds.setdefault(self.forms.measured.name(unit), []).append(k)
+        more = (self.high - self.low) - (self.made.high - self.made.low)
+        for axis, grown in enumerate((np.abs(more) > STAYS * self.near).T.tolist()):
+            for every in kinds.values():
+                rows = [k for k in every if grown[k]]
                 if not rows:
                     continue
                 size = (self.high - self.low)[rows, axis]
@@ -82,28 +77,27 @@ class Rebuilt:
 
     def _unit(self, k: int, unit: Unit, ratio: Floats) -> Placed:
         """A unit after its box went from one to the other."""
-        forms, axes = self.forms, self.made.axes
-        own, owner = forms.frame(unit), forms.owner(unit)
+        forms, measured, axes = self.forms, self.forms.measured, self.made.axes
+        own, owner = measured.frame(unit), measured.owner(unit)
         if (ratio == 1).all():
             shift = (self.low[k] - self.made.low[k]) @ axes
             frame = Frames(own.position + shift, own.rotation, own.hand, own.scale)
             return Placed(frame, forms.plain(unit, owner), shift)
-        upright = _upright(axes)
         along = np.flatnonzero(ratio != 1).tolist()
-        square = forms.is_square(unit, upright, along)
-        base = own if square else upright
-        low, high = forms.box(unit) if square else forms.box_in(unit, base)
-        grown = own_ratios(compose(inverse(upright), base), ratio)
-        corner = axes @ (linear(base)[0] @ low + base.position[0])
+        square = measured.is_square(unit, self.upright, along)
+        base = own if square else self.upright
+        low, high = measured.box(unit) if square else measured.box_in(unit, base)
+        grown = own_ratios(measured.turned(unit, self.upright), ratio) if square else ratio
+        corner = axes @ (measured.base(base).out @ low + base.position[0])
         moved = self.low[k] + (corner - self.made.low[k]) * ratio
         size = (high - low) * grown
         frame = Frames((moved @ axes)[None], base.rotation, base.hand, base.scale)
         shift = (moved - corner) @ axes
-        grown = grown * np.minimum(1.0, forms.stretched(unit))
-        many = [1 if forms.fills(unit) else _copies(float(each)) for each in grown]
+        grown = grown * np.minimum(1.0, measured.stretched(unit))
+        many = [1 if measured.fills(unit) else _copies(each) for each in grown.tolist()]
         if max(many) > MOST:
             often = f"{max(many):,}" if max(many) < 10**6 else "over a million"
-            what = f"`{forms.name(unit)}` would stand there {often} times"
+            what = f"`{measured.name(unit)}` would stand there {often} times"
             raise fail("bad-command", what, hint="choose a smaller size")
         if max(many) == 1:
             return Placed(frame, self.sizing.said(unit, owner, size, base), shift)
@@ -119,7 +113,7 @@ class Rebuilt:
             for run in _runs(self.forms, self.made, small, axis):
                 whole = sum(float(self.high[k, axis] - self.low[k, axis]) for k in run)
                 natural = float(self.made.high[run[0], axis] - self.made.low[run[0], axis])
-                if len(run) < 2 or self.forms.fills(self.made.units[run[0]]):
+                if len(run) < 2 or self.forms.measured.fills(self.made.units[run[0]]):
                     continue
                 keep = max(1, min(len(run) - 1, round(whole / natural)))
                 begin = float(self.low[run[0], axis])
@@ -164,7 +158,11 @@ def _runs(forms: Forms, made: Units, small: Sequence[int], axis: int) -> list[li
     for k in small:
         own = np.concatenate([made.low[k, across], made.high[k, across]])
         unit = made.units[k]
-        lane = (forms.owner(unit), forms.name(unit), tuple(np.round(own, 6).tolist()))
+        lane = (
+            forms.measured.owner(unit),
+            forms.measured.name(unit),
+            tuple(np.round(own, 6).tolist()),
+        )
         lanes.setdefault(lane, []).append(k)
     runs: list[list[int]] = []
     for found in lanes.values():

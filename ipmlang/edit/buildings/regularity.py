@@ -8,7 +8,7 @@ is not regular is laid out elsewhere, and nothing is derived.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TypeAlias
 
 import numpy as np
@@ -61,76 +61,107 @@ class Regular:
         return self.size * self.count
 
 
-def regular(parts: Sequence[Part], begin: int, near: float) -> Regular | None:
-    """The longest regular sequence that begins with a part, if there is one. Places may be off by
-    an eighth of `near`.
+@dataclass(slots=True, eq=False)
+class Arranged:
+    """Parts that follow each other with their frames, ready to be looked at again and again. kinds:
+    equal numbers for those that are drawn alike, turns apart; turns: their axes, row by row.
     """
-    best: Regular | None = None
-    for size in range(1, MOST + 1):
-        if begin + ROW * size > len(parts):
-            break
-        if not all(_alike(parts[begin], parts[begin + k * size]) for k in range(1, ROW)):
-            continue
-        motion = _motion(parts[begin][0], parts[begin + size][0])
-        if motion is None:
-            continue
-        count = _count(parts, begin, size, motion, near)
-        fewest = ROW if motion.middle is None else RING
-        if count >= fewest and (best is None or size * count > best.parts):
-            best = Regular(motion, size, count)
-    return best
+
+    parts: Sequence[Part]
+    frames: Frames
+    near: float
+    kinds: list[int] = field(init=False)
+    places: list[list[float]] = field(init=False)
+    scales: list[float] = field(init=False)
+    turns: list[list[float]] = field(init=False)
+    _known: dict[int, Regular | None] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        frames = self.frames
+        numbers: dict[object, int] = {}
+        self.kinds = [
+            numbers.setdefault((hand, elements), len(numbers))
+            for hand, (_, elements) in zip(frames.hand.tolist(), self.parts, strict=True)
+        ]
+        self.places, self.scales = frames.position.tolist(), frames.scale.tolist()
+        self.turns = turns(frames.rotation).reshape(-1, 9).tolist()
+
+    def regular(self, begin: int) -> Regular | None:
+        """The longest regular sequence that begins with a part, if there is one. Places may be off
+        by an eighth of `near`.
+        """
+        if begin not in self._known:
+            self._known[begin] = self._longest(begin)
+        return self._known[begin]
+
+    def _longest(self, begin: int) -> Regular | None:
+        best: Regular | None = None
+        for size in range(1, MOST + 1):
+            if begin + ROW * size > len(self.parts):
+                break
+            if not all(self._alike(begin, begin + k * size) for k in range(1, ROW)):
+                continue
+            motion = self._motion(begin, begin + size)
+            if motion is None:
+                continue
+            count = self._count(begin, size, motion)
+            fewest = ROW if motion.middle is None else RING
+            if count >= fewest and (best is None or size * count > best.parts):
+                best = Regular(motion, size, count)
+        return best
+
+    def _count(self, begin: int, size: int, motion: Motion) -> int:
+        """How many motifs follow each other."""
+        place = begin + size
+        while place < len(self.parts):
+            first = begin + (place - begin) % size
+            times = (place - begin) // size
+            if not self._alike(place, first) or not self._turned(place, first, motion, times):
+                break
+            expected = motion.moved(np.array(self.places[first]), times)
+            if np.abs(self.places[place] - expected).max() > self.near / 8:
+                break
+            place += 1
+        return (place - begin) // size
+
+    def _alike(self, one: int, other: int) -> bool:
+        """Whether parts are drawn alike, turns apart."""
+        same = self.kinds[one] == self.kinds[other]
+        return same and abs(self.scales[one] - self.scales[other]) <= ALIKE
+
+    def _turned(self, place: int, first: int, motion: Motion, times: int) -> bool:
+        """Whether a part stands as the first one does, turned so many times."""
+        own, expected = self.turns[place], self.turns[first]
+        if motion.middle is not None:
+            before = np.array(expected).reshape(3, 3)
+            expected = (_rotation(motion.axis, motion.angle * times) @ before).ravel().tolist()
+        return all(abs(x - y) <= 1e2 * ALIKE for x, y in zip(own, expected, strict=True))
+
+    def _motion(self, one: int, other: int) -> Motion | None:
+        """What takes one part to another; None for neither a step nor a turn about x, y, z."""
+        first, second = np.array(self.places[one]), np.array(self.places[other])
+        if self.turns[one] == self.turns[other]:
+            return Motion(second - first) if (second != first).any() else None
+        before, after = (np.array(self.turns[row]).reshape(3, 3) for row in (one, other))
+        return _between(first, second, after @ before.T)
 
 
-def _count(parts: Sequence[Part], begin: int, size: int, motion: Motion, near: float) -> int:
-    """How many motifs follow each other."""
-    place = begin + size
-    while place < len(parts):
-        of = begin + (place - begin) % size
-        times = (place - begin) // size
-        frame, first = parts[place][0], parts[of][0]
-        if not _alike(parts[place], parts[of]) or not _turned(frame, first, motion, times):
-            break
-        expected = motion.moved(first.position[0], times)
-        if np.abs(frame.position[0] - expected).max() > near / 8:
-            break
-        place += 1
-    return (place - begin) // size
-
-
-def _alike(one: Part, other: Part) -> bool:
-    """Whether parts are drawn alike, turns apart."""
-    (frame, elements), (second, following) = one, other
-    same = frame.hand[0] == second.hand[0] and abs(frame.scale[0] - second.scale[0]) <= ALIKE
-    return bool(same) and elements == following
-
-
-def _turned(frame: Frames, first: Frames, motion: Motion, times: int) -> bool:
-    """Whether a frame is the first one turned so many times."""
-    expected = turns(first.rotation)[0]
-    if motion.middle is not None:
-        expected = _rotation(motion.axis, motion.angle * times) @ expected
-    return bool(np.abs(turns(frame.rotation)[0] - expected).max() <= 1e2 * ALIKE)
-
-
-def _motion(one: Frames, other: Frames) -> Motion | None:
-    """What takes one frame to another; None for what is neither a step nor a turn about x, y, z."""
-    step = np.asarray(other.position[0] - one.position[0])
-    between = turns(other.rotation)[0] @ turns(one.rotation)[0].T
-    if np.abs(between - np.eye(3)).max() <= ALIKE:
+def _between(first: Floats, second: Floats, turn: Floats) -> Motion | None:
+    """The motion that takes a place (3,) to another and turns by (3, 3)."""
+    step = second - first
+    if np.abs(turn - np.eye(3)).max() <= ALIKE:
         return Motion(step) if np.abs(step).max() > 0 else None
-    axis = int(np.argmax(np.diag(between)))
-    if abs(between[axis, axis] - 1) > ALIKE:
+    axis = int(np.argmax(np.diag(turn)))
+    if abs(turn[axis, axis] - 1) > ALIKE:
         return None
     a, b = (axis + 1) % 3, (axis + 2) % 3
-    angle = float(np.degrees(np.arctan2(between[b, a], between[a, a])))
+    angle = float(np.degrees(np.arctan2(turn[b, a], turn[a, a])))
     if abs(angle) < LEAST:
         return None
     flat = [a, b]
-    inside = between[np.ix_(flat, flat)]
+    inside = turn[np.ix_(flat, flat)]
     middle = np.zeros(3)
-    middle[flat] = np.linalg.solve(
-        np.eye(2) - inside, other.position[0][flat] - inside @ one.position[0][flat]
-    )
+    middle[flat] = np.linalg.solve(np.eye(2) - inside, second[flat] - inside @ first[flat])
     along = np.zeros(3)
     along[axis] = step[axis]
     return Motion(along, axis, angle, middle)
@@ -210,4 +241,4 @@ def _times_i(value: ast.Expr) -> ast.Expr:
     return times(value, ast.Name("i"))
 
 
-__all__ = ["Motion", "Part", "Regular", "regular", "said"]
+__all__ = ["Arranged", "Motion", "Part", "Regular", "said"]

@@ -18,7 +18,8 @@ from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail
 from ipmlang.edit.buildings.attachments import Attached, attach, settle, stretching, warped
 from ipmlang.edit.buildings.deciding import Key
 from ipmlang.edit.buildings.driving import Aim, driven
-from ipmlang.edit.buildings.forms import Forms, Unit
+from ipmlang.edit.buildings.forms import Forms
+from ipmlang.edit.buildings.measuring import Unit
 from ipmlang.edit.buildings.rebuilding import Rebuilt
 from ipmlang.edit.buildings.rewriting import rewritten
 from ipmlang.edit.buildings.soundness import check_sound, follows
@@ -124,15 +125,16 @@ def _told(draft: Draft, refused: Sequence[str]) -> Draft:
 
 def _alike(forms: Forms, found: list[Unit], wanted: Wanted, name: str) -> tuple[list[Unit], Floats]:
     """The first of those selected and all that are as large along the axes in question."""
-    size = forms.extent(found[0])
+    size = forms.measured.extent(found[0])
     for axis in wanted.along:
         if size[axis] <= SAME:
             hint = f"it is {size[0]:g} x {size[1]:g} x {size[2]:g} along its own axes"
             message = f"`{name}` has no extent along its {'xyz'[axis]}"
             raise fail("nothing-selected", message, hint=hint)
     along = wanted.along
-    same = [u for u in found if np.allclose(forms.extent(u)[along], size[along], rtol=1e-6)]
-    return same, size
+    sizes = [forms.measured.extent(unit)[along] for unit in found]
+    same = np.flatnonzero(np.all(np.isclose(sizes, size[along], rtol=1e-6), axis=1))
+    return [found[k] for k in same.tolist()], size
 
 
 def _key(forms: Forms, unit: Unit) -> Key:
@@ -193,7 +195,7 @@ def _check_followed(
 
 def _axes(forms: Forms, unit: Unit) -> Floats:
     """(3, 3) the own axes of a unit, as rows."""
-    own = forms.frame(unit)
+    own = forms.measured.frame(unit)
     return np.asarray((linear(own)[0] / own.scale[0]).T)
 
 

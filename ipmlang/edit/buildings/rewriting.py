@@ -16,12 +16,13 @@ import numpy as np
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import fail
-from ipmlang.edit.buildings.forms import Forms, Unit
+from ipmlang.edit.buildings.forms import Forms
+from ipmlang.edit.buildings.measuring import Unit
 from ipmlang.edit.buildings.sizing import inlined
 from ipmlang.edit.buildings.units import tolerance
 from ipmlang.edit.draft import Change, Draft
-from ipmlang.edit.symbols import Elements, needed_names, used_names, without_names
-from ipmlang.inverse.frames import Floats, Frames, compose, inverse, moved_to
+from ipmlang.edit.symbols import Asked, Elements, mapped, needed_names, without_names
+from ipmlang.inverse.frames import Floats, Frames, compose, inverse, join, moved_to
 
 SAME = 0.1  # of how near touches, that places may be off and are the same
 
@@ -54,8 +55,8 @@ class Rewriting:
 
     def shape(self, row: int) -> Placed:
         """A shape whose parts may have changed: its frame and what calls it."""
-        own = self.forms.frame(("shape", row))
-        units = self.forms.parts(row)
+        own = self.forms.measured.frame(("shape", row))
+        units = self.forms.measured.parts(row)
         stays = [self._stands(unit) for unit in units]
         shift = _shared(stays, self.near)
         shift = self._followed(units) if shift is None else shift
@@ -74,7 +75,7 @@ class Rewriting:
         for unit in units:
             found += [each.shift for each in self.at.get(unit, ()) if each.shift is not None]
             if unit[0] == "shape" and unit[1] in self.opened and unit not in self.at:
-                before, after = self.forms.frame(unit), self._once(unit[1]).frame
+                before, after = self.forms.measured.frame(unit), self._once(unit[1]).frame
                 found.append(after.position[0] - before.position[0])
         if not found:
             return None
@@ -88,7 +89,7 @@ class Rewriting:
         """What a variant is told before it is called: the pen, and the scope where it has one."""
         unit: Unit = ("shape", row)
         around = self._around(row)
-        if self.forms.fills(unit):
+        if self.forms.measured.fills(unit):
             return self.forms.plain(unit, around)[:-1]
         return self.forms.pens(unit, around)
 
@@ -99,15 +100,15 @@ class Rewriting:
             placed = self.at[unit]
             if len(placed) != 1:
                 return None
-            own = self.forms.plain(unit, self.forms.owner(unit))
+            own = self.forms.plain(unit, self.forms.measured.owner(unit))
         elif kind == "shape" and row in self.opened:
             placed = [self._once(row)]
-            own = self.forms.plain(unit, self.forms.owner(unit))
+            own = self.forms.plain(unit, self.forms.measured.owner(unit))
         else:
             return np.zeros(3)
         if placed[0].elements != own:
             return None
-        return _shift(self.forms.frame(unit), placed[0].frame)
+        return _shift(self.forms.measured.frame(unit), placed[0].frame)
 
     def _once(self, row: int) -> Placed:
         if row not in self._shapes:
@@ -117,17 +118,16 @@ class Rewriting:
     def _body(self, row: int, frame: Frames) -> Elements:
         """The parts of a shape, in its new frame."""
         placed: list[Placed] = []
-        for unit in self.forms.parts(row):
+        for unit in self.forms.measured.parts(row):
             if unit in self.at:
                 placed += self.at[unit]
             elif unit[0] == "shape" and unit[1] in self.opened:
                 placed.append(self._once(unit[1]))
             else:
-                placed.append(Placed(self.forms.frame(unit), self.forms.plain(unit, row)))
+                placed.append(Placed(self.forms.measured.frame(unit), self.forms.plain(unit, row)))
         placed += self.more.get(row, ())
-        back = inverse(frame)
-        inside = [Placed(compose(back, each.frame), each.elements) for each in placed]
-        parts = [(each.frame, each.elements) for each in inside]
+        inside = compose(inverse(frame), join([each.frame for each in placed]))
+        parts = [(inside[k : k + 1], each.elements) for k, each in enumerate(placed)]
         return self.forms.laid(row, parts, self.near)
 
     def _variant(self, row: int, body: Elements) -> str:
@@ -142,7 +142,8 @@ class Rewriting:
 
 def _shift(before: Frames, after: Frames) -> Floats | None:
     """How far a frame moved, None if it also turned."""
-    same = np.allclose(before.rotation, after.rotation, atol=1e-9)
+    same = before.rotation is after.rotation
+    same = same or np.allclose(before.rotation, after.rotation, atol=1e-9)
     if not same or before.hand[0] != after.hand[0] or abs(before.scale - after.scale)[0] > 1e-9:
         return None
     return np.asarray(after.position[0] - before.position[0])
@@ -182,7 +183,7 @@ def rewritten(
     if len(tree.levels[0]) > 1:
         hint = "edit the grammar of one lot: start … on polygon […]"
         raise fail("cannot-edit-there", "this grammar starts on several shapes at once", hint=hint)
-    changed = {forms.owner(unit) for unit in at} | set(more)
+    changed = {forms.measured.owner(unit) for unit in at} | set(more)
     opened = {row for each in changed for row in tree.above(each)}
     writing = Rewriting(forms, at, more, opened, tolerance(tree))
     axiom = writing._body(0, tree.frames[:1])
@@ -195,7 +196,7 @@ def _with_rules(writing: Rewriting, axiom: Elements, what: str) -> Draft:
     draft = forms.tree.draft
     every = {**forms.rules, **writing.made}
     said = {name: body for name, (_, body) in every.items()}
-    said = inlined({"start": axiom, **said}, forms.brief, forms.tables)
+    said = inlined({"start": axiom, **said}, forms.brief, forms.tables, forms.asked)
     axiom = said.pop("start")
     every = {name: (every[name][0], body) for name, body in said.items()}
     kept = _kept_names(writing, every, axiom)
@@ -203,15 +204,17 @@ def _with_rules(writing: Rewriting, axiom: Elements, what: str) -> Draft:
     new: dict[str, list[ast.Rule]] = {}
     bodies: dict[str, Elements] = {}
     for name, (symbol, body) in every.items():
-        body = _renamed(body, renamed)
+        body = _renamed(body, renamed, forms.asked)
         if name in renamed:
             bodies[symbol] = body
         else:
             new.setdefault(symbol, []).append(ast.Rule(ast.Head(name), body))
-    grammar = _placed_rules(draft.grammar, new, bodies, _renamed(axiom, renamed))
-    grammar = _with_tables(grammar, [_renamed_rows(each, renamed) for each in forms.tables])
-    before = needed_names(draft.grammar) | set(every)
-    grammar = without_names(grammar, before - needed_names(grammar))
+    axiom = _renamed(axiom, renamed, forms.asked)
+    grammar = _placed_rules(draft.grammar, new, bodies, axiom)
+    tables = [_renamed_rows(each, renamed) for each in forms.tables]
+    grammar = _with_tables(grammar, tables, forms.asked)
+    before = needed_names(draft.grammar, forms.asked) | set(every)
+    grammar = without_names(grammar, before - needed_names(grammar, forms.asked))
     changes = [
         Change(symbol, "its parts", symbol if name in renamed else name)
         for name, (symbol, _) in writing.made.items()
@@ -221,9 +224,9 @@ def _with_rules(writing: Rewriting, axiom: Elements, what: str) -> Draft:
     return made if forms.baking is None else forms.baking.with_assets(made)
 
 
-def _with_tables(grammar: ast.Grammar, tables: Sequence[ast.Table]) -> ast.Grammar:
+def _with_tables(grammar: ast.Grammar, tables: Sequence[ast.Table], asked: Asked) -> ast.Grammar:
     """The grammar with the tables that it reads before its rules."""
-    used = used_names(grammar)
+    used: set[str] = set().union(*map(asked.names, grammar.items))
     read = [each for each in tables if each.name in used]
     heads = (k for k, item in enumerate(grammar.items) if isinstance(item, ast.Rule | ast.Start))
     place = next(heads, len(grammar.items))
@@ -252,7 +255,8 @@ def _kept_names(
         for item in grammar.items
         if isinstance(item, ast.Rule) and not item.head.parameters and item.guard is None
     }
-    called = used_names((axiom, tuple(body for _, body in every.values()), tuple(forms.tables)))
+    drawn = (axiom, *(body for _, body in every.values()), *forms.tables)
+    called: set[str] = set().union(*map(forms.asked.names, drawn))
     by_symbol: dict[str, list[str]] = {}
     for name, (symbol, _) in every.items():
         if name in writing.made or name in forms.variants:
@@ -260,7 +264,7 @@ def _kept_names(
     rules: dict[str, set[str]] = {}
     for item in grammar.items:
         if isinstance(item, ast.Rule):
-            rules[item.head.name] = rules.get(item.head.name, set()) | used_names(item)
+            rules[item.head.name] = rules.get(item.head.name, set()) | forms.asked.names(item)
     waiting = list(called)
     while waiting:  # what rules that stay still ask for
         more = rules.get(waiting.pop(), set()) - called
@@ -273,15 +277,15 @@ def _kept_names(
     }
 
 
-def _renamed(body: Elements, names: Mapping[str, str]) -> Elements:
-    from ipmlang.edit.symbols import mapped
+def _renamed(body: Elements, names: Mapping[str, str], asked: Asked) -> Elements:
+    """A body with other names for symbols."""
 
     def change(node: object) -> object:
         if isinstance(node, ast.Module) and node.name in names:
             return replace(node, name=names[node.name])
         return node
 
-    return mapped(body, change) if names else body
+    return body if names.keys().isdisjoint(asked.every(body)) else mapped(body, change)
 
 
 def _placed_rules(

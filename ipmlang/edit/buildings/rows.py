@@ -9,10 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from ipmlang.compiler import ast
-from ipmlang.edit.buildings.regularity import Part, regular, said
+from ipmlang.edit.buildings.regularity import Arranged, Part, said
 from ipmlang.edit.symbols import Elements
-from ipmlang.inverse.frames import join
+from ipmlang.inverse.frames import Frames, join
 from ipmlang.inverse.split.placing import Precision, Spot, placed, spots
 from ipmlang.inverse.split.wording import all_nothing, is_nothing
 
@@ -32,17 +34,17 @@ class Room:
         """Places and sizes, some of them multiplied, are off by far less than what touches."""
         return Precision(self.near / 80)
 
-    def spots(self, parts: Sequence[Part]) -> list[Spot]:
+    def spots(self, frames: Frames) -> list[Spot]:
         """Where parts stand; what stands there reaches no further than a building does. Those that
         stand upright are told together, and so are the others.
         """
-        found: dict[int, Spot] = {}
-        upright = [not frame.rotation[0, 1:3].any() for frame, _ in parts]
-        for kind in (True, False):
-            rows = [row for row, own in enumerate(upright) if own is kind]
-            frames = join([parts[row][0] for row in rows])
-            found.update(zip(rows, spots(frames, self.precision, 1e6 * self.near), strict=True))
-        return [found[row] for row in range(len(parts))]
+        precision, reach = self.precision, 1e6 * self.near
+        askew = np.asarray(frames.rotation[:, 1:3].any(axis=1))
+        if askew.all() or not askew.any():
+            return spots(frames, precision, reach)
+        rest = iter(spots(frames[~askew], precision, reach))
+        turned = iter(spots(frames[askew], precision, reach))
+        return [next(turned if own else rest) for own in askew.tolist()]
 
 
 def laid_out(
@@ -58,16 +60,17 @@ def laid_out(
     """
     body: list[ast.Element] = []
     tables: list[ast.Table] = []
-    at = room.spots(parts)
+    frames = join([frame for frame, _ in parts])
+    at, arranged = room.spots(frames), Arranged(parts, frames, room.near)
     begin = 0
     while begin < len(parts):
-        sequence = regular(parts, begin, room.near)
+        sequence = arranged.regular(begin)
         if sequence is not None:
             body.append(said(sequence, parts, begin, room.precision, 1e6 * room.near))
             begin += sequence.parts
             continue
-        end = _alike_end(parts, begin, room.near)
-        mixed = _symbols_end(parts, at, begin, room.near)
+        end = _alike_end(arranged, begin)
+        mixed = _symbols_end(arranged, at, begin)
         if (end - begin >= MANY and end == mixed) or mixed - begin < MIXED:
             found = _listed(parts[begin:end], at[begin:end]) if end - begin >= MANY else None
         else:
@@ -87,37 +90,36 @@ def laid_out(
     return tuple(body), tables
 
 
-def _alike_end(parts: Sequence[Part], begin: int, near: float) -> int:
+def _alike_end(arranged: Arranged, begin: int) -> int:
     """Behind the last of equal parts of one hand that follow each other, up to where a row or a
     ring begins.
     """
-    frame, elements = parts[begin]
+    kinds = arranged.kinds
     end = begin + 1
-    while end < len(parts) and parts[end][1] == elements and parts[end][0].hand == frame.hand:
-        if regular(parts, end, near) is not None:
+    while end < len(kinds) and kinds[end] == kinds[begin]:
+        if arranged.regular(end) is not None:
             break
         end += 1
     return end
 
 
-def _symbols_end(parts: Sequence[Part], at: Sequence[Spot], begin: int, near: float) -> int:
+def _symbols_end(arranged: Arranged, at: Sequence[Spot], begin: int) -> int:
     """Behind the last of parts that follow each other and are but symbols, moved or turned, of one
     hand, up to where a row of them begins, or a symbol comes again: a table draws all of a symbol
     where it first names it.
     """
-    end = begin
+    parts, end = arranged.parts, begin
     before: list[str] = []
-    hand = parts[begin][0].hand[0]
     while end < len(parts):
-        frame, elements = parts[end]
+        elements = parts[end][1]
         only = elements[0] if len(elements) == 1 else None
         if not isinstance(only, ast.Module) or only.args or "." in only.name:
             break
         spot = at[end]
         home = all_nothing(spot.place) and all_nothing(spot.turn)
-        if home or spot.scale is not None or frame.hand[0] != hand:
+        if home or spot.scale is not None or spot.mirrored != at[begin].mirrored:
             break
-        if end > begin and regular(parts, end, near) is not None:
+        if end > begin and arranged.regular(end) is not None:
             break
         if only.name in before[:-1] and only.name != before[-1]:
             break

@@ -16,11 +16,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ipmlang.compiler import ast
-from ipmlang.edit.buildings.forms import SQUARE, Forms, Unit
+from ipmlang.edit.buildings.forms import Forms
+from ipmlang.edit.buildings.measuring import SQUARE, Unit
 from ipmlang.edit.buildings.regularity import Part
 from ipmlang.edit.buildings.rows import Room
-from ipmlang.edit.symbols import Elements, nodes
-from ipmlang.inverse.frames import Floats, Frames, corners, inverse, linear
+from ipmlang.edit.symbols import Asked, Elements
+from ipmlang.inverse.frames import Floats, Frames
 from ipmlang.inverse.split.wording import Vector, bracket, call
 
 MOST = 3  # sizes of a part with a rule each; one that comes in more is said in shares
@@ -52,7 +53,7 @@ class Sizing:
         """
         forms = self.forms
         pens = forms.pens(unit, around)
-        fitted = forms.fills(unit) and forms.is_square(unit, base)
+        fitted = forms.measured.fills(unit) and forms.measured.is_square(unit, base)
         found = None if fitted else self._rule(unit, size, base)
         if found is None:
             return forms.fitted(unit, around, self._numbers(size), base)
@@ -84,8 +85,8 @@ class Sizing:
     def _rule(self, unit: Unit, size: Floats, base: Frames) -> str | None:
         """The rule for a part of a size; None where it comes in too many, or is not of assets."""
         forms = self.forms
-        symbol = forms.name(unit)
-        if not self._is_of_assets(unit):
+        symbol = forms.measured.name(unit)
+        if not forms.measured.is_of_assets(unit):
             return None
         labels, content = self._content(unit, base)
         known = self.known.setdefault((unit[0], symbol, labels), [])
@@ -93,7 +94,7 @@ class Sizing:
         if found is not None or len(known) >= MOST:
             return found
         if unit[0] == "terminal":
-            owner = forms.owner(unit)
+            owner = forms.measured.owner(unit)
             body = forms.fitted(unit, owner, self._numbers(size), base)
             body = body[len(forms.pens(unit, owner)) :]
         else:
@@ -105,39 +106,30 @@ class Sizing:
         known.append(Sized(size, content, name))
         return name
 
-    def _is_of_assets(self, unit: Unit) -> bool:
-        tree = self.forms.tree
-        rows = [unit[1]] if unit[0] == "terminal" else tree.below(unit[1])
-        return all(int(tree.scene.instances.asset[row]) in tree.meshes for row in rows)
-
     def _content(self, unit: Unit, base: Frames) -> tuple[tuple[str, ...], Floats]:
-        """What tells parts of one name apart: the labels of their terminals, and where these are,
-        corners (m, 24), in the axes of a frame.
+        """What tells parts of one name apart: the labels of their terminals, and where the corners
+        (8m, 3) of these are from their lowest, in the axes of a frame.
         """
-        tree = self.forms.tree
-        rows = [unit[1]] if unit[0] == "terminal" else tree.below(unit[1])
-        one = tree.terminals
-        points = corners(one.frames[np.array(rows)], one.low[rows], one.high[rows])
-        back = inverse(self.forms.frame(unit) if self.forms.is_square(unit, base) else base)
-        local = points @ linear(back)[0].T + back.position[0]
-        local = local - local.min(axis=(0, 1))
-        return tuple(one.labels[row] for row in rows), local.reshape(len(rows), -1)
+        measured, labels = self.forms.measured, self.forms.tree.terminals.labels
+        own = measured.frame(unit) if measured.is_square(unit, base) else base
+        local = measured.points(unit, own)
+        return tuple([labels[row] for row in measured.rows(unit)]), local - local.min(axis=0)
 
     def _body(self, row: int, size: Floats, base: Frames) -> Elements:
-        low, high = self.forms.box_in(("shape", row), base)
+        low, high = self.forms.measured.box_in(("shape", row), base)
         ratio = ratios(high - low, size, STAYS * self.near)
         parts: list[Part] = []
-        for each in self.forms.inside(row, base, np.flatnonzero(ratio != 1).tolist()):
+        for each in self.forms.measured.inside(row, base, np.flatnonzero(ratio != 1).tolist()):
             place = (each.corner - low) * ratio
             own = each.frame
-            grown = each.size * own_ratios(own, ratio)
+            grown = each.size * own_ratios(each.turned, ratio)
             if each.square and np.abs(grown - each.size).max() <= STAYS * self.near:
                 moved = own.position + (place - each.corner)
                 frame = Frames(moved, own.rotation, own.hand, own.scale)
                 parts.append((frame, self.forms.plain(each.unit, row)))
                 continue
             frame = Frames(place[None], own.rotation, own.hand, np.ones(1))
-            axes = self.forms.frame(each.unit) if each.square else base
+            axes = self.forms.measured.frame(each.unit) if each.square else base
             parts.append((frame, self.said(each.unit, row, grown, axes)))
         return self.forms.laid(row, parts, self.near)
 
@@ -150,27 +142,29 @@ def ratios(before: Floats, after: Floats, same: float) -> Floats:
     return np.asarray(np.where(stays, 1.0, after / np.where(stays, 1.0, before)))
 
 
-def own_ratios(frame: Frames, ratio: Floats) -> Floats:
-    """(3,) how many times as large something is along the axes of its frame, of one row, where it
-    is so many times as large (3,) along those around; 1 along an axis that stands askew in them.
+def own_ratios(turned: Floats, ratio: Floats) -> Floats:
+    """(3,) how many times as large something is along its axes, of which turned (3, 3) has the
+    columns without signs, where it is so many times as large (3,) along those around; 1 along an
+    axis that stands askew in them.
     """
-    turned = linear(frame)[0] / frame.scale[0]
-    axis = np.abs(turned).argmax(axis=0)
-    return np.asarray(np.where(np.abs(turned).max(axis=0) > 1 - SQUARE, ratio[axis], 1.0))
+    axis = turned.argmax(axis=0)
+    return np.asarray(np.where(turned.max(axis=0) > 1 - SQUARE, ratio[axis], 1.0))
 
 
 def inlined(
-    bodies: Mapping[str, Elements], brief: Set[str], tables: Sequence[ast.Table]
+    bodies: Mapping[str, Elements], brief: Set[str], tables: Sequence[ast.Table], asked: Asked
 ) -> dict[str, Elements]:
     """Bodies by name, of which the brief ones stand where they are used, if that is in one place
     only; tables may use them, too.
     """
-    uses = Counter(
-        each.name for each in nodes(tuple(bodies.values())) if isinstance(each, ast.Module)
-    )
-    listed = {each.id for each in nodes(tuple(tables)) if isinstance(each, ast.Name)}
+    uses = Counter(name for body in bodies.values() for name in asked.every(body))
+    listed = {name for table in tables for name in asked.every(table)}
     single = {name: bodies[name] for name in brief - listed if uses[name] == 1}
-    return {name: _put_in(body, single) for name, body in bodies.items() if name not in single}
+    return {
+        name: body if single.keys().isdisjoint(asked.every(body)) else _put_in(body, single)
+        for name, body in bodies.items()
+        if name not in single
+    }
 
 
 def _put_in(body: Elements, single: Mapping[str, Elements], bracketed: bool = False) -> Elements:

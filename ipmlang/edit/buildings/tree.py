@@ -26,13 +26,27 @@ from ipmlang.edit.buildings.contacts import neighbours
 from ipmlang.edit.draft import Draft, Drawn
 from ipmlang.edit.files import files_with
 from ipmlang.edit.saving import about, staged
-from ipmlang.inverse.frames import Floats, Frames, Integers, corners, inverse, linear
+from ipmlang.inverse.frames import (
+    Floats,
+    Frames,
+    Integers,
+    compose,
+    corners,
+    inverse,
+    linear,
+    turns,
+)
 from ipmlang.runtime import derive
 from ipmlang.runtime.lineage import Lineage
 from ipmlang.runtime.scene import OUTLINES, SEGMENT, AssetRef, Scene
 
 if TYPE_CHECKING:
     from ipmlang.formats.mesh_types import Mesh
+
+
+TEXTS = ("color", "fill", "stroke", "css", "material", "texture", "label")
+BOUND = ("uv", "join", "effect")  # of the state: what cannot be said apart from where it was made
+PENS = frozenset({*TEXTS, *BOUND, "width", "layer"})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,10 +77,29 @@ class Tree:
     meshes: Mapping[int, Mesh]
     stamps: tuple[tuple[str, int, int], ...] = ()
 
+    @cached_property
+    def rows_of(self) -> dict[str, dict[int, int]]:
+        """The shapes and the terminals by their keys: the first of each."""
+        keys = {"shape": self.lineage.key, "terminal": self.scene.instances.key}
+        return {
+            kind: {key: row for row, key in reversed([*enumerate(own.tolist())])}
+            for kind, own in keys.items()
+        }
+
+    @cached_property
+    def places(self) -> dict[str, tuple[Frames, Floats]]:
+        """The frames of all shapes and of all terminals in those of the shapes that made them, and
+        (…, 3, 3) what they do to directions; of the start its own.
+        """
+        back = inverse(self.frames)
+        shapes = compose(back[np.maximum(self.parent, 0)], self.frames)
+        terminals = compose(back[self.owner], self.terminals.frames)
+        return {"shape": (shapes, linear(shapes)), "terminal": (terminals, linear(terminals))}
+
     def is_natural(self, row: int) -> bool:
         """Whether a terminal is an asset as large as it is in its file."""
-        number = int(self.scene.instances.asset[row])
-        return number >= 0 and self.scene.assets[number].name == self.terminals.labels[row]
+        drawn = self.drawn_assets[row]
+        return bool(drawn) and drawn == self.terminals.labels[row]
 
     @cached_property
     def drawn_assets(self) -> list[str]:
@@ -81,13 +114,33 @@ class Tree:
         found = [row for row, label in enumerate(self.terminals.labels) if label == name]
         return found or [row for row, own in enumerate(self.drawn_assets) if name and own == name]
 
-    @property
+    @cached_property
     def parent(self) -> Integers:
         return self.lineage.parent.astype(np.int64)
 
-    @property
+    @cached_property
     def owner(self) -> Integers:
         return self.lineage.drawer.astype(np.int64)
+
+    @cached_property
+    def parents(self) -> list[int]:
+        """The same as `parent`, to look single shapes up."""
+        return self.lineage.parent.tolist()  # type: ignore[no-any-return]
+
+    @cached_property
+    def owners(self) -> list[int]:
+        """The same as `owner`, to look single terminals up."""
+        return self.lineage.drawer.tolist()  # type: ignore[no-any-return]
+
+    @cached_property
+    def shape_turns(self) -> Floats:
+        """(n, 3, 3) the axes of all shapes, as columns."""
+        return turns(self.frames.rotation)
+
+    @cached_property
+    def terminal_turns(self) -> Floats:
+        """(m, 3, 3) the axes of all terminals, as columns."""
+        return turns(self.terminals.frames.rotation)
 
     def __len__(self) -> int:
         return len(self.names)
@@ -105,7 +158,7 @@ class Tree:
     def levels(self) -> list[Integers]:
         """The shapes by depth, the start first."""
         depth = np.zeros(len(self), np.int64)
-        for row, above in enumerate(self.parent.tolist()):
+        for row, above in enumerate(self.parents):
             if above >= 0:
                 depth[row] = depth[above] + 1
         return [np.flatnonzero(depth == k) for k in range(int(depth.max(initial=0)) + 1)]
@@ -114,7 +167,7 @@ class Tree:
     def children(self) -> list[list[int]]:
         """The shapes that each shape made."""
         found: list[list[int]] = [[] for _ in range(len(self))]
-        for row, above in enumerate(self.parent.tolist()):
+        for row, above in enumerate(self.parents):
             if above >= 0:
                 found[above].append(row)
         return found
@@ -123,24 +176,41 @@ class Tree:
     def drawn(self) -> list[list[int]]:
         """The terminals that each shape drew itself."""
         found: list[list[int]] = [[] for _ in range(len(self))]
-        for row, above in enumerate(self.owner.tolist()):
+        for row, above in enumerate(self.owners):
             found[above].append(row)
         return found
 
     def below(self, shape: int) -> list[int]:
-        """All terminals below a shape, in the order of the derivation."""
-        found, waiting = [], [shape]
-        while waiting:
-            row = waiting.pop()
-            found += self.drawn[row]
-            waiting += self.children[row]
-        return sorted(found)
+        """All terminals below a shape, in the order of the derivation; nobody may write to them."""
+        if shape not in self._below:
+            found, waiting = [], [shape]
+            while waiting:
+                row = waiting.pop()
+                found += self.drawn[row]
+                waiting += self.children[row]
+            self._below[shape] = sorted(found)
+        return self._below[shape]
+
+    @cached_property
+    def told(self) -> list[str]:
+        """The fields of the pen that are not the same for all shapes and terminals."""
+        state, pens = self.lineage.state, self.lineage.pens
+        return [
+            name
+            for name, column in state.items()
+            if name in PENS and not _is_one(np.concatenate([column, pens[name]]))
+        ]
+
+    @cached_property
+    def _below(self) -> dict[int, list[int]]:
+        """What `below` has been asked for."""
+        return {}
 
     def above(self, shape: int) -> list[int]:
         """A shape and those it comes of, the start last."""
         found = [shape]
-        while self.parent[found[-1]] >= 0:
-            found.append(int(self.parent[found[-1]]))
+        while self.parents[found[-1]] >= 0:
+            found.append(self.parents[found[-1]])
         return found
 
     def boxes(self, axes: Floats) -> tuple[Floats, Floats]:
@@ -190,16 +260,14 @@ class Tree:
             np.maximum.at(highs, self.parent[rows], highs[rows])
         return lows, highs
 
-    def own_box(self, shape: int) -> tuple[Floats, Floats]:
-        """(3,) the corners of what a shape draws, in its own coordinates."""
-        return self.box_of(self.below(shape), self.frames[shape : shape + 1])
+    def corners_of(self, rows: Sequence[int]) -> Floats:
+        """(8k, 3) the corners of the boxes of terminals."""
+        return self._corners[rows].reshape(-1, 3)
 
-    def box_of(self, rows: Sequence[int], base: Frames) -> tuple[Floats, Floats]:
-        """(3,) the corners of terminals in the coordinates of a frame."""
-        points = self._corners[np.array(rows, np.int64)].reshape(-1, 3)
-        back = inverse(base)
-        local = points @ linear(back)[0].T + back.position[0]
-        return local.min(axis=0), local.max(axis=0)
+
+def _is_one(column: Floats) -> bool:
+    """Whether all values of a column are the same, or nothing."""
+    return bool((column == column[:1]).all() or np.isnan(column).all())
 
 
 def grown(

@@ -15,7 +15,8 @@ import numpy as np
 
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.edit.buildings.contacts import neighbours
-from ipmlang.edit.buildings.forms import Forms, Unit
+from ipmlang.edit.buildings.forms import Forms
+from ipmlang.edit.buildings.measuring import Unit
 from ipmlang.edit.buildings.tree import Tree, unknown
 from ipmlang.inverse.frames import Floats, Integers
 
@@ -106,9 +107,9 @@ def divided(
         if row in around or tree.parent[row] < 0:
             return False
         if fine:
-            return forms.fills(("shape", row)) and len(tree.below(row)) == 1
+            return forms.measured.fills(("shape", row)) and len(tree.below(row)) == 1
         small = bool(((highs[row] - lows[row])[list(along)] <= SMALL * whole).all())
-        return forms.fills(("shape", row)) or (often[tree.names[row]] > 1 and small)
+        return forms.measured.fills(("shape", row)) or (often[tree.names[row]] > 1 and small)
 
     opened: set[int] = set()
     while True:
@@ -122,14 +123,14 @@ def divided(
 
 def _takes_sizes(forms: Forms, unit: Unit, along: Sequence[int]) -> bool:
     """Whether a shape is resized by giving it another scope."""
-    if unit[0] == "terminal" or not forms.fills(unit):
+    if unit[0] == "terminal" or not forms.measured.fills(unit):
         return False
-    low, high = forms.box(unit)
+    low, high = forms.measured.box(unit)
     return bool(((high - low)[list(along)] > 0).all())
 
 
 def _shape(forms: Forms, unit: Unit) -> int:
-    return unit[1] if unit[0] == "shape" else forms.owner(unit)
+    return unit[1] if unit[0] == "shape" else forms.measured.owner(unit)
 
 
 def _gathered(forms: Forms, is_one: Callable[[int], bool], opened: set[int]) -> list[Unit]:
@@ -141,7 +142,7 @@ def _gathered(forms: Forms, is_one: Callable[[int], bool], opened: set[int]) -> 
         if unit[0] == "terminal" or (unit[1] not in opened and is_one(unit[1])):
             units.append(unit)
         else:
-            waiting += reversed(forms.parts(unit[1]))
+            waiting += reversed(forms.measured.parts(unit[1]))
     return units
 
 
@@ -154,7 +155,7 @@ def _measured(
     )
     lows = np.array([low[each].min(axis=0) for each in rows]).reshape(-1, 3)
     highs = np.array([high[each].max(axis=0) for each in rows]).reshape(-1, 3)
-    inside = {row for unit in units for row in forms.tree.above(forms.owner(unit))}
+    inside = {row for unit in units for row in forms.tree.above(forms.measured.owner(unit))}
     return Units(tuple(units), lows, highs, axes, opened | inside, rows)
 
 
@@ -187,4 +188,4 @@ def _meeting_inside(
 
 
 def _free_shape(forms: Forms, unit: Unit) -> set[int]:
-    return {unit[1]} if unit[0] == "shape" and not forms.fills(unit) else set()
+    return {unit[1]} if unit[0] == "shape" and not forms.measured.fills(unit) else set()

@@ -25,6 +25,7 @@ NEARLY = 3.0  # times the error that a length may be off which is then nothing
 STEP = 6  # tokens of `translate(x, y, z)` or `rotate(a, b, c)` without signs
 FACTOR = 4  # tokens of `*(s)`
 BRACKET = 3  # tokens of `[… A]`
+FEW = 8  # rows that are sooner said than compared
 ROOM = 3.0  # times the error that an angle may be off which is then a round one
 
 
@@ -89,7 +90,9 @@ def spots(frames: Frames, precision: Precision, reach: float) -> list[Spot]:
 
 
 def _once_each(table: Floats, said: Callable[[float], Said]) -> list[list[Said]]:
-    """What is said for the numbers of a table (n, c), equal ones said once."""
+    """What is said for the numbers of a table (n, c), equal ones said once, if there are many."""
+    if len(table) <= FEW:
+        return [[said(value) for value in row] for row in table.tolist()]
     values, place = np.unique(table, return_inverse=True)
     known = [said(value) for value in values.tolist()]
     rows: list[list[int]] = place.reshape(len(table), table.shape[1]).tolist()

@@ -1,0 +1,245 @@
+"""What the shapes and terminals of a tree are: their names, frames and boxes, and what is in them.
+
+In goes a derivation tree, out come answers about its units, each worked out once as long as this
+lives: an edit asks the same of equal parts again and again. Nothing is written down or decided.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from ipmlang.edit.buildings.asking import Asking
+from ipmlang.edit.buildings.tree import Tree
+from ipmlang.inverse.frames import Floats, Frames, compose, identity, inverse, linear
+from ipmlang.runtime.scene import SCOPE
+
+Unit: TypeAlias = tuple[Literal["shape", "terminal"], int]
+BOX = 1  # the geometry that is the whole scope
+SQUARE = 1e-7  # how far axes may be off that are the same
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Inside:
+    """A part of a shape in the axes of a frame: its frame there, low corner (3,) and, along its own
+    axes, its size (3,); turned (3, 3): its axes there, as columns without signs; square: it keeps
+    them.
+    """
+
+    unit: Unit
+    frame: Frames
+    corner: Floats
+    size: Floats
+    turned: Floats
+    square: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Base:
+    """A frame of one row as maps of points: out (3, 3), into (3, 3) and origin (3,), such that
+    `into @ point + origin` is a point of the world in the frame; turn (3, 3): its axes.
+    """
+
+    frame: Frames
+    turn: Floats
+    out: Floats
+    into: Floats
+    origin: Floats
+
+
+@dataclass(slots=True, eq=False)
+class Measured:
+    """The units of one tree. Frames that are asked about again shall be the same objects."""
+
+    tree: Tree
+    _asking: Asking = field(init=False)
+    _frames: dict[Unit, Frames] = field(default_factory=dict)
+    _fills: dict[Unit, bool] = field(default_factory=dict)
+    _bases: dict[int, Base] = field(default_factory=dict)
+    _turned: dict[tuple[Unit, int], Floats] = field(default_factory=dict)
+    _points: dict[tuple[Unit, int], Floats] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self._asking = Asking(self.tree.program)
+
+    def name(self, unit: Unit) -> str:
+        """The symbol of a shape, the label of a terminal."""
+        kind, row = unit
+        return self.tree.names[row] if kind == "shape" else self.tree.terminals.labels[row]
+
+    def owner(self, unit: Unit) -> int:
+        """The shape that made a unit."""
+        kind, row = unit
+        return self.tree.parents[row] if kind == "shape" else self.tree.owners[row]
+
+    def rows(self, unit: Unit) -> list[int]:
+        """The terminals of a unit."""
+        return [unit[1]] if unit[0] == "terminal" else self.tree.below(unit[1])
+
+    def frame(self, unit: Unit) -> Frames:
+        """The frame of a unit, one row."""
+        if unit not in self._frames:
+            kind, row = unit
+            one = self.tree.frames if kind == "shape" else self.tree.terminals.frames
+            self._frames[unit] = one[row : row + 1]
+        return self._frames[unit]
+
+    def base(self, frame: Frames) -> Base:
+        """A frame as maps of points."""
+        if id(frame) not in self._bases:
+            out = linear(frame)[0]
+            turn = out / frame.scale[0]
+            turn[:, 0] *= frame.hand[0]
+            into = turn.T / frame.scale[0]
+            into[0] *= frame.hand[0]
+            self._bases[id(frame)] = Base(frame, turn, out, into, into @ -frame.position[0])
+        return self._bases[id(frame)]
+
+    def turned(self, unit: Unit, base: Frames) -> Floats:
+        """(3, 3) the axes of a unit, as columns, in those of a frame, without signs."""
+        key = unit, id(base)
+        if key not in self._turned:
+            kind, row = unit
+            tree = self.tree
+            own = tree.shape_turns[row] if kind == "shape" else tree.terminal_turns[row]
+            self._turned[key] = np.abs(self.base(base).turn.T @ own)
+        return self._turned[key]
+
+    def is_square(self, unit: Unit, base: Frames, along: Sequence[int] = (0, 1, 2)) -> bool:
+        """Whether the axes of a unit are those of a frame, in whatever order and direction; or some
+        of the frame's axes are among those of the unit.
+        """
+        rows = self.turned(unit, base).tolist()
+        return all(abs(max(rows[k]) - 1) <= SQUARE for k in along)
+
+    def fills(self, unit: Unit) -> bool:
+        """Whether a unit is as large as its scope says."""
+        if unit not in self._fills:
+            kind, row = unit
+            if kind == "terminal":
+                found = not self.tree.is_natural(row) and not self.is_solid(row)
+            else:
+                symbol = int(self.tree.lineage.symbol[row])
+                found = symbol >= 0 and self._asking.symbol_asks(symbol) and self._has_box(row)
+            self._fills[unit] = found
+        return self._fills[unit]
+
+    def box(self, unit: Unit) -> tuple[Floats, Floats]:
+        """(3,) the corners of a unit in its own axes: its scope, where it fills that."""
+        kind, row = unit
+        if kind == "terminal":
+            return self.tree.terminals.low[row], self.tree.terminals.high[row]
+        if self.fills(unit):
+            return np.zeros(3), self.tree.size[row]
+        return self.box_in(unit, self.frame(unit))
+
+    def box_in(self, unit: Unit, base: Frames) -> tuple[Floats, Floats]:
+        """(3,) the corners of a unit in the axes of a frame, and from its origin."""
+        points = self.points(unit, base)
+        return points.min(axis=0), points.max(axis=0)
+
+    def points(self, unit: Unit, base: Frames) -> Floats:
+        """(8k, 3) the corners of the boxes of the terminals of a unit, in a frame; nobody may write
+        to them.
+        """
+        key = unit, id(base)
+        if key not in self._points:
+            own = self.base(base)
+            found = self.tree.corners_of(self.rows(unit)) @ own.into.T
+            found += own.origin
+            self._points[key] = found
+        return self._points[key]
+
+    def extent(self, unit: Unit) -> Floats:
+        """(3,) how large a unit is along its own axes: its scope, or where that has no extent, what
+        it draws.
+        """
+        low, high = self.box(unit)
+        size = high - low
+        if unit[0] == "shape" and (size <= 0).any():
+            first, last = self.box_in(unit, self.frame(unit))
+            size = np.where(size > 0, size, last - first)
+        return np.asarray(size * self.frame(unit).scale[0])
+
+    def stretched(self, unit: Unit) -> Floats:
+        """(3,) how many times as large as in their files assets of a unit are at least, along its
+        own axes, where they fill scopes; 1 where there are none, or they stand askew.
+        """
+        tree, found = self.tree, []
+        for each in self.rows(unit):
+            mesh = tree.meshes.get(int(tree.scene.instances.asset[each]))
+            part: Unit = ("terminal", each)
+            if mesh is None or tree.is_natural(each) or not self.is_square(part, self.frame(unit)):
+                continue
+            natural = np.ptp(mesh.vertices, axis=0)
+            size = tree.terminals.high[each] * self.frame(part).scale[0]
+            axis = self.turned(part, self.frame(unit)).argmax(axis=1)
+            found.append(np.where(natural > 0, size / np.where(natural > 0, natural, 1), 1)[axis])
+        return np.min(found, axis=0) if found else np.ones(3)
+
+    def is_solid(self, row: int) -> bool:
+        """Whether a terminal has a geometry that only its rule can say."""
+        number = int(self.tree.scene.instances.asset[row])
+        return number < 0 and number != SCOPE
+
+    def is_of_assets(self, unit: Unit) -> bool:
+        """Whether all that a unit draws is read from files."""
+        asset = self.tree.scene.instances.asset[self.rows(unit)].tolist()
+        return self.tree.meshes.keys() >= set(asset)
+
+    def reads_lot(self) -> bool:
+        """Whether anything asks how large the lot is: where nothing does, the lot is but a note."""
+        return self._asking.body_asks(self.tree.program.axiom.body)
+
+    def _has_box(self, row: int) -> bool:
+        """Whether the geometry of a shape is all of its scope."""
+        number = int(self.tree.lineage.state["geo"][row])
+        return number <= BOX or len(self.tree.scene.solids[number].vertices) in (4, 8)
+
+    # ----------------------------------------------------------------------------- parts
+
+    def parts(self, row: int) -> list[Unit]:
+        """What a shape made and drew, in the order of the derivation, if it draws anything."""
+        first, count = self.tree.first, len(self.tree.owners)
+        found: list[tuple[int, Unit]] = [
+            (each, ("terminal", each)) for each in self.tree.drawn[row]
+        ]
+        found += [(int(first[each]), ("shape", each)) for each in self.tree.children[row]]
+        return [unit for place, unit in sorted(found) if place < count]
+
+    def inside(self, row: int, base: Frames, along: Sequence[int] = (0, 1, 2)) -> list[Inside]:
+        """The parts of a shape in the axes of a frame, and from its origin; along: the axes along
+        which they must not stand askew.
+        """
+        found = []
+        for unit in self._square_parts(row, base, along):
+            square = self.is_square(unit, base, along)
+            first, last = self.box(unit) if square else self.box_in(unit, base)
+            frame, out = self._within(unit, base) if square else (identity(), np.eye(3))
+            corner = out @ first + frame.position[0]
+            size, turned = (last - first) * frame.scale[0], np.abs(out / frame.scale[0])
+            found.append(Inside(unit, frame, corner, size, turned, square))
+        return found
+
+    def _within(self, unit: Unit, base: Frames) -> tuple[Frames, Floats]:
+        """The frame of a unit in another, and (3, 3) what it does to directions."""
+        kind, row = unit
+        if base is self.frame(("shape", self.owner(unit))):
+            frames, out = self.tree.places[kind]
+            return frames[row : row + 1], out[row]
+        frame = compose(inverse(base), self.frame(unit))
+        return frame, linear(frame)[0]
+
+    def _square_parts(self, row: int, base: Frames, along: Sequence[int]) -> list[Unit]:
+        """The parts of a shape; those of the shapes in it that stand askew, one by one."""
+        found: list[Unit] = []
+        for unit in self.parts(row):
+            askew = unit[0] == "shape" and not self.is_square(unit, base, along)
+            found += self._square_parts(unit[1], base, along) if askew else [unit]
+        return found
+
+
+__all__ = ["BOX", "SQUARE", "Base", "Inside", "Measured", "Unit"]
