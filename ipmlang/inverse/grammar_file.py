@@ -43,7 +43,7 @@ from ipmlang.inverse.rest import rest_table
 from ipmlang.inverse.schedules import with_schedules
 from ipmlang.inverse.score import DIGITS, INLINE_ROWS
 from ipmlang.inverse.simplify import AXIOM, Book
-from ipmlang.inverse.terminals import Instanced, asset_element
+from ipmlang.inverse.terminals import Instanced, asset_elements
 from ipmlang.inverse.terminals_file import terminals_file
 from ipmlang.inverse.walks import with_walks
 from ipmlang.inverse.wording import arrangement, plain_row
@@ -193,7 +193,8 @@ def write_grammar(book: Book, subject: Subject) -> Written:
     items.append(ast.Start(begin))
 
     def shown() -> dict[str, DrawnElement]:
-        return {named[k]: asset_element(terminals[k], book.assets.get(k)) for k in assets}
+        drawn = asset_elements([(terminals[k], book.assets.get(k)) for k in assets])
+        return {named[k]: each for k, each in zip(assets, drawn, strict=True)}
 
     def parts(but: frozenset[str] = frozenset()) -> str:
         kept = {named[k]: (k, book.assets.get(k)) for k in assets if named[k] not in but}

@@ -37,7 +37,7 @@ from ipmlang.inverse.recursion import Recursion, as_grammar, fold, fold_repeats
 from ipmlang.inverse.recursion.program import Again, Body
 from ipmlang.inverse.simplify import AXIOM, make_book
 from ipmlang.inverse.stretches import POLYGON, Stretch, stretches
-from ipmlang.inverse.terminals import asset_element
+from ipmlang.inverse.terminals import asset_elements
 from ipmlang.inverse.terminals_file import terminals_file
 
 TOLERANCE = 4e-7  # of the diagonal: what the ends of segments may be off
@@ -157,7 +157,8 @@ def _written(subject: Subject, found: Recursion, stretch: Stretch, decimals: int
 
     def shown() -> dict[str, DrawnElement]:
         terminals = subject.instanced.terminals
-        return {name: asset_element(terminals[k], None) for k, name in given.named.items()}
+        drawn = asset_elements([(terminals[k], None) for k in given.named])
+        return dict(zip(given.named.values(), drawn, strict=True))
 
     def parts(but: frozenset[str] = frozenset()) -> str:
         kept = {name: (k, None) for k, name in given.named.items() if name not in but}

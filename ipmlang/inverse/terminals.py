@@ -24,7 +24,7 @@ from ipmlang.formats.svg.attributes import Linear
 from ipmlang.formats.svg.transforms import inverse, multiply
 from ipmlang.inverse.effects import EffectClass, drawn_matrix, effect_classes
 from ipmlang.inverse.lsystem.curves import flipped, moved
-from ipmlang.inverse.lsystem.frames import Frames, compose, frames, identity
+from ipmlang.inverse.lsystem.frames import ORIGIN, Frames, compose, frames
 from ipmlang.inverse.lsystem.frames import inverse as undo
 from ipmlang.inverse.lsystem.groups import Kind, group_runs
 from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Seen, see
@@ -246,14 +246,12 @@ def _terminal(
     """The terminal that draws an element, and what makes it equal to others."""
     known = observed.classes[shape]
     if known.fragment is None and not depends_on_frame(style):
-        return (shape, style), Terminal(row, known, style, None, identity(1))
+        return (shape, style), Terminal(row, known, style, None, ORIGIN)
     place = placed[row : row + 1]
     if known.fragment is not None:
         linear = multiply(inverse(drawn_matrix(_about_zero(place), 0.0)), known.fragment.matrix)[:4]
         fragment = replace(known.fragment, matrix=(*linear, 0.0, 0.0))
-        return (fragment.kind, fragment.xml, linear), Terminal(
-            row, known, style, fragment, identity(1)
-        )
+        return (fragment.kind, fragment.xml, linear), Terminal(row, known, style, fragment, ORIGIN)
     back = inverse(drawn_matrix(place, observed.flip))
     local = _rounded(moved_style(style, back))
     base = _about_zero(compose(undo(place), observed.frames[row : row + 1]))
@@ -305,21 +303,55 @@ def _digits(value: float, beside: tuple[float, ...]) -> float:
     return round(value, 11 - int(np.floor(np.log10(size)))) + 0.0
 
 
-def asset_element(terminal: Terminal, place: Frames | None) -> DrawnElement:
-    """A terminal as its parts file holds it, y down; place: where it lies about the origin."""
-    plain = place is None and terminal.fragment is None
-    place = identity(1) if place is None else place
-    if terminal.fragment is not None:
-        matrix = multiply(drawn_matrix(place, 0.0), terminal.fragment.matrix)
-        return DrawnElement(None, Style(), replace(terminal.fragment, matrix=matrix))
-    assert terminal.shape.outline is not None
+def asset_elements(shown: Sequence[tuple[Terminal, Frames | None]]) -> list[DrawnElement]:
+    """Terminals as their parts file holds them, y down, with where each lies about the origin."""
+    drawn = iter(_pages([_outline(*each) for each in shown if each[0].fragment is None]))
+    return [
+        _fragment(terminal.fragment, place)
+        if terminal.fragment is not None
+        else DrawnElement(next(drawn), _asset_style(terminal.style, place))
+        for terminal, place in shown
+    ]
+
+
+def _fragment(fragment: Fragment, place: Frames | None) -> DrawnElement:
+    matrix = multiply(drawn_matrix(_at(place), 0.0), fragment.matrix)
+    return DrawnElement(None, Style(), replace(fragment, matrix=matrix))
+
+
+def _asset_style(style: Style, place: Frames | None) -> Style:
+    if not depends_on_frame(style):
+        return style
+    return moved_style(style, drawn_matrix(_at(place), 0.0))
+
+
+def _outline(terminal: Terminal, place: Frames | None) -> Outline:
+    """The outline of a terminal where it lies about the origin, y up."""
     outline = terminal.shape.outline
-    if not (plain and _is_upright(terminal.base)):
-        outline = moved(outline, compose(place, terminal.base))
-    points = flipped(outline.kind, outline.coords[..., 0] + 1j * outline.coords[..., 1], 0.0)
-    coords = np.stack([points.real, points.imag], axis=-1)
-    drawn = Outline(outline.kind, coords, outline.starts, outline.closed)
-    return DrawnElement(drawn, moved_style(terminal.style, drawn_matrix(place, 0.0)))
+    assert outline is not None
+    if place is None and _is_upright(terminal.base):
+        return outline
+    return moved(outline, compose(_at(place), terminal.base))
+
+
+def _at(place: Frames | None) -> Frames:
+    return ORIGIN if place is None else place
+
+
+def _pages(outlines: Sequence[Outline]) -> list[Outline]:
+    """The outlines with y down."""
+    if not outlines:
+        return []
+    kind = np.concatenate([each.kind for each in outlines])
+    coords = np.concatenate([each.coords for each in outlines])
+    points = flipped(kind, coords[..., 0] + 1j * coords[..., 1], 0.0)
+    turned = np.stack([points.real, points.imag], axis=-1)
+    ends = np.cumsum([len(each.kind) for each in outlines])
+    parts = np.split(turned, ends[:-1])
+    return [
+        Outline(each.kind, part, each.starts, each.closed)
+        for each, part in zip(outlines, parts, strict=True)
+    ]
 
 
 def _is_upright(place: Frames) -> bool:

@@ -14,7 +14,7 @@ import numpy as np
 from ipmlang.formats.drawing import Effect
 from ipmlang.formats.svg.parts import write_parts
 from ipmlang.inverse.lsystem.frames import Frames
-from ipmlang.inverse.terminals import Instanced, Terminal, asset_element, asset_space
+from ipmlang.inverse.terminals import Instanced, Terminal, asset_elements, asset_space
 
 SHARE = 1e-8  # of the diagonal: what a point of a terminal may be off
 
@@ -35,8 +35,9 @@ def terminals_file(
         name: (instanced.terminals[number], place) for name, (number, place) in shown.items()
     }
     spaces = {name: asset_space(*each) for name, each in known.items()}
+    elements = asset_elements(list(known.values()))
     return write_parts(
-        {name: [asset_element(*each)] for name, each in known.items()},
+        {name: [each] for name, each in zip(known, elements, strict=True)},
         effects=effects,
         tables=tables,
         allowed={

@@ -197,3 +197,14 @@ def wrap(angle: Floats) -> Floats:
     [180.0, -90.0, 30.0]
     """
     return np.asarray(angle - 360.0 * np.ceil((angle - 180.0) / 360.0), np.float64)
+
+
+def _fixed(given: Frames) -> Frames:
+    """Frames that nobody may change, since many share them."""
+    for column in (given.x, given.y, given.angle, given.scale, given.handedness):
+        column.flags.writeable = False
+    return given
+
+
+NONE = _fixed(identity(0))
+ORIGIN = _fixed(identity(1))  # the frame that changes nothing

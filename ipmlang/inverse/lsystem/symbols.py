@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.inverse.lsystem.frames import (
+    NONE,
+    ORIGIN,
     Complexes,
     Floats,
     Frames,
@@ -132,9 +134,9 @@ class Alphabet:
         leaves = np.array([len(self)], np.int64)
         made = Definition(
             np.zeros(0, np.int64),
-            identity(0),
+            NONE,
             leaves,
-            identity(1),
+            ORIGIN,
             symmetry.stabiliser,
             symmetry.order == 0,
             radius,
@@ -364,15 +366,17 @@ class Seen:
 
 def see(alphabet: Alphabet, terminal: Integers, placed: Frames) -> Seen:
     """The observed elements (n,) of an alphabet that has only terminals yet."""
-    most = max((len(each.stabiliser) for each in alphabet.definitions), default=1)
-    shape = (len(terminal), most)
+    keeps = join([each.stabiliser for each in alphabet.definitions])
+    counts = np.array([len(each.stabiliser) for each in alphabet.definitions], np.int64)
+    first = np.cumsum(counts) - counts
+    shape = (len(terminal), int(counts.max(initial=1)))
     at, arm = np.zeros(shape, np.complex128), np.zeros(shape, np.complex128)
     hand = np.zeros(shape, np.int64)
-    order = np.argsort(terminal, kind="stable")
-    ends = np.searchsorted(terminal[order], np.arange(len(alphabet)), side="right")
-    for number, rows in enumerate(np.split(order, ends[:-1]) if len(order) else []):
-        every = compose(placed[rows][:, None], alphabet[number].stabiliser)
-        count = every.x.shape[1]
+    for count in np.unique(counts[terminal]).tolist():
+        rows = np.flatnonzero(counts[terminal] == count)
+        every = compose(
+            placed[rows][:, None], keeps[first[terminal[rows]][:, None] + np.arange(count)]
+        )
         at[rows, :count], arm[rows, :count] = every.position, every.factor
         hand[rows, :count] = every.handedness
     free = np.array([each.free for each in alphabet.definitions], np.bool_)

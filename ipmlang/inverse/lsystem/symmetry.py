@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipmlang.inverse.lsystem.frames import Floats, Frames, compose, frames, identity
+from ipmlang.inverse.lsystem.frames import ORIGIN, Floats, Frames, compose, frames
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,7 +33,7 @@ class Symmetry:
 
 def trivial() -> Symmetry:
     """No symmetry."""
-    return Symmetry(1, None, identity(1))
+    return Symmetry(1, None, ORIGIN)
 
 
 def dihedral(order: int, axis: float | None) -> Symmetry:
