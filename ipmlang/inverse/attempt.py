@@ -29,11 +29,12 @@ from ipmlang.inverse.grammar_file import (
     write_grammar,
 )
 from ipmlang.inverse.options import USUAL, Options
+from ipmlang.inverse.pages import Page
 from ipmlang.inverse.prove import prove
-from ipmlang.inverse.recursive_file import TOLERANCE, write_recursion
+from ipmlang.inverse.recursive_file import write_recursion
 from ipmlang.inverse.report import Report, RuleError
 from ipmlang.inverse.simplify import AXIOM, Book, make_book
-from ipmlang.inverse.stretches import MOST_OTHERS
+from ipmlang.inverse.stretches import are_few
 from ipmlang.inverse.terminals import grouped, with_stretched_lines
 from ipmlang.inverse.tolerances import relaxed, seen
 from ipmlang.inverse.ways import (
@@ -346,8 +347,10 @@ def _curved(goal: Goal, written: Written, made: Made, tried: bool) -> Made:
     """With rules for the assets that turtles drew, where these give the drawing back. tried: no
     recursion was found, so that in a small drawing there is none for what stands there once.
     """
-    tried = tried and len(goal.observed) <= MOST_OTHERS
-    curved = with_curves(written, TOLERANCE * goal.observed.diagonal, tried)
+    tried = tried and are_few(goal.observed)
+    observed = goal.observed
+    page = Page(observed.diagonal, observed.flip, observed.box is not None)
+    curved = with_curves(written, page, tried)
     if curved is None:
         return made
     limit = goal.given.proof

@@ -13,20 +13,24 @@ import numpy as np
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.tokens import count_tokens
-from ipmlang.formats.drawing import LINE, DrawnElement, Style
+from ipmlang.formats.drawing import DrawnElement, Style
 from ipmlang.inverse.coats import declarations
 from ipmlang.inverse.grammar_file import Written, spaced
+from ipmlang.inverse.lsystem.frames import Complexes, Frames
 from ipmlang.inverse.moves import call
 from ipmlang.inverse.naming import capital
-from ipmlang.inverse.recursion import Recursion, fold, fold_repeats
+from ipmlang.inverse.pages import MOST_DECIMALS, Page, folded
+from ipmlang.inverse.placements import places, unplaced
+from ipmlang.inverse.recursion import Recursion
 from ipmlang.inverse.recursion.counted_grammar import counted_rules
 from ipmlang.inverse.recursive_file import FILLED, NO_STYLE
-from ipmlang.inverse.stretches import PATH, POLYGON, is_regular
+from ipmlang.inverse.stretches import PATH, POLYGON, is_regular, is_turtles
 
 MOST_ASSETS = 64  # a drawing of more shapes is no turtle's
 FEWEST = 24  # lines of an outline that is worth a rule
 PAYS = 0.5  # of the numbers of its points that a rule may take in tokens
 HEAD = 16  # tokens besides
+NEARLY = 1e-3  # of the last decimal: what placing an asset may move a point by
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,7 +48,9 @@ class Curved:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Curve:
-    """An asset that a turtle draws; on_page: where a line without a width is 1 wide."""
+    """An asset that a turtle draws; on_page: where a line without a width is 1 wide; placed:
+    whether it is drawn as it lies on the page, with so many decimals if its points were rounded.
+    """
 
     name: str
     recursion: Recursion
@@ -52,58 +58,82 @@ class _Curve:
     style: Style
     numbers: int
     on_page: bool
+    placed: bool = False
+    decimals: int | None = None
 
 
-def with_curves(written: Written, tolerance: float, tried: bool) -> Curved | None:
-    """The grammar with its curves as rules, None where it has none. tolerance: units; tried: what
-    is drawn once is known to have none.
+def with_curves(written: Written, page: Page, tried: bool) -> Curved | None:
+    """The grammar with its curves as rules, None where it has none. tried: what is drawn once is
+    known to have none.
     """
     named = [each for each in written.grammar.items if isinstance(each, ast.Asset)]
     if not 0 < sum(len(each.names) for each in named) <= MOST_ASSETS:
         return None
     on_page = any(isinstance(each, ast.Canvas) for each in written.grammar.items)
+    where = places(written.grammar)
     found = [
-        _curve(name, each, tolerance, on_page)
+        _curve(name, each, page, on_page, where.get(name) if written.uses.get(name) == 1 else None)
         for name, each in written.assets().items()
         if not tried or written.uses.get(name, 0) != 1
     ]
-    curves = [each for each in found if each is not None]
+    curves = _of_one_rounding([each for each in found if each is not None])
     angle = _angle(written.grammar, curves)
     taken = _taken(written.grammar)
     ruled = {each.name: _rules(each, angle, taken) for each in curves}
     ruled = {each.name: ruled[each.name] for each in curves if _pays(each, ruled[each.name])}
     if not ruled:
         return None
-    grammar = _replaced(written.grammar, ruled, angle)
-    numbers = sum(each.numbers for each in curves if each.name in ruled)
+    curves = [each for each in curves if each.name in ruled]
+    grammar = unplaced(written.grammar, {each.name for each in curves if each.placed})
+    grammar = _replaced(grammar, ruled, angle)
+    grammar = _rounded(grammar, {each.decimals for each in curves} - {None})
+    numbers = sum(each.numbers for each in curves)
     rules = sum(len({rule.head.name for rule in each}) for each in ruled.values())
     elements = sum(written.uses.get(name, 0) for name in ruled)
     return Curved(grammar, written.parts(frozenset(ruled)), numbers, rules, elements)
 
 
-def _curve(name: str, element: DrawnElement, tolerance: float, on_page: bool) -> _Curve | None:
-    """What a turtle does to draw an asset, y up, if it is one outline of many lines."""
+def _of_one_rounding(curves: list[_Curve]) -> list[_Curve]:
+    """Without those whose points were rounded otherwise than the first one's that were."""
+    known = next((each.decimals for each in curves if each.decimals is not None), None)
+    return [each for each in curves if each.decimals in (None, known)]
+
+
+def _curve(
+    name: str, element: DrawnElement, page: Page, on_page: bool, place: Frames | None
+) -> _Curve | None:
+    """What a turtle does to draw an asset, y up, if it is one outline of many lines, or lines with
+    gaps between them. place: (1,) where it stands on the page, None where at several.
+    """
     outline, style = element.outline, element.style
-    if outline is None or len(outline.kind) < FEWEST or len(outline.closed) != 1:
-        return None
-    plain = isinstance(style.fill, str) and isinstance(style.stroke, str)
-    if not plain or style.stroke_matrix is not None or style.effects:
-        return None
-    if (outline.kind != LINE).any():
+    if outline is None or len(outline.kind) < FEWEST or not is_turtles(outline, style):
         return None
     start, end = outline.coords[:, :2, 0].T - 1j * outline.coords[:, :2, 1].T
     if not is_regular(start, end):
         return None
-    points = np.concatenate([start, end])
-    share = tolerance / max(1e-300, abs(complex(np.ptp(points.real), np.ptp(points.imag))))
-    closed = bool(outline.closed[0])
-    recursion = fold(start, end, tolerance=share) or fold_repeats(
-        start, end, closed=closed, tolerance=share
-    )
+    there = None if place is None else _on_page(np.stack([start, end]), place)
+    placed = there is not None and page.decimals(there.ravel()) is not None
+    if there is not None and placed:
+        start, end = there
+    else:
+        page = replace(page, bounded=False)
+    closed, single = bool(outline.closed[0]), len(outline.closed) == 1
+    recursion, decimals = folded(page, start, end, closed=closed, repeats=single)
     if recursion is None or recursion.alternatives:
         return None
-    braces = POLYGON if closed else PATH
-    return _Curve(name, recursion, braces, style, 2 * (len(start) + 1), on_page)
+    braces, numbers = POLYGON if closed else PATH, 2 * (len(start) + 1)
+    return _Curve(name, recursion, braces, style, numbers, on_page, placed, decimals)
+
+
+def _on_page(points: Complexes, place: Frames) -> Complexes:
+    """Points of an asset where it stands, with the decimals that all of them nearly have."""
+    local = points.real * place.handedness + 1j * points.imag
+    there = place.position + place.factor * local
+    for decimals in range(MOST_DECIMALS):
+        rounded = np.round(there, decimals)
+        if np.abs(there - rounded).max() <= NEARLY * 10.0**-decimals:
+            return np.asarray(rounded, np.complex128)
+    return np.asarray(there, np.complex128)
 
 
 def _angle(grammar: ast.Grammar, curves: list[_Curve]) -> float:
@@ -176,4 +206,17 @@ def _replaced(
     if angle:
         place = next(k for k, each in enumerate(items) if isinstance(each, ast.Rule | ast.Start))
         items.insert(place, ast.Turtle((ast.Setting("angle", ast.Number(angle)),)))
+    return replace(grammar, items=tuple(items))
+
+
+def _rounded(grammar: ast.Grammar, decimals: set[int | None]) -> ast.Grammar:
+    """The grammar whose page rounds points to these decimals, one number at most."""
+    if not decimals:
+        return grammar
+    items = [
+        replace(each, decimals=max(decimals, key=lambda told: told or 0))
+        if isinstance(each, ast.Canvas) and each.decimals is None
+        else each
+        for each in grammar.items
+    ]
     return replace(grammar, items=tuple(items))

@@ -35,9 +35,11 @@ def grammar_of_drawing(
 
 def _read(path: Path) -> Drawing:
     from ipmlang.formats.svg import read_svg, split_compound
+    from ipmlang.inverse.turtle_paths import turtle_paths
 
     try:
-        drawing = split_compound(read_svg(path))
+        drawing = read_svg(path)
+        drawing = split_compound(drawing, turtle_paths(drawing))
     except FormatError as error:
         raise unreadable(path, error) from error
     except OSError as error:

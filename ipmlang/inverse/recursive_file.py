@@ -28,23 +28,18 @@ from ipmlang.inverse.grammar_file import (
     spaced,
     stored_tables,
 )
-from ipmlang.inverse.lsystem.frames import Complexes
 from ipmlang.inverse.moves import call
 from ipmlang.inverse.naming import Names, own_hint, shape_word
 from ipmlang.inverse.observation import Observation
+from ipmlang.inverse.pages import Page, folded
 from ipmlang.inverse.reach import measure
-from ipmlang.inverse.recursion import Recursion, as_grammar, fold, fold_repeats
+from ipmlang.inverse.recursion import Recursion, as_grammar
 from ipmlang.inverse.recursion.program import Again, Body
 from ipmlang.inverse.simplify import AXIOM, make_book
 from ipmlang.inverse.stretches import POLYGON, Stretch, stretches
 from ipmlang.inverse.terminals import asset_elements
 from ipmlang.inverse.terminals_file import terminals_file
 
-TOLERANCE = 4e-7  # of the diagonal: what the ends of segments may be off
-MOST_DECIMALS = 7  # of coordinates that were rounded
-NEAREST = 0.75  # of the last decimal: what rounding both coordinates moves a point by, and a bit
-SAME = 1e-12  # of the largest coordinate: what reading a number may be off
-ROUNDED = 5.0  # seconds for a recursion of rounded points
 RESIDUAL = "Looks"
 FILLED = Style(fill="#808080", stroke_width=1.0)  # that of a turtle's polygon
 NO_STYLE = Style(fill="none", stroke="#000000", stroke_width=math.nan)  # that of a drawn segment
@@ -78,42 +73,16 @@ def _folded(observed: Observation, stretch: Stretch) -> tuple[Recursion | None, 
     """The recursion that draws a stretch, and the decimals that its points were rounded to: rules
     if there are any, else, of an outline, repeats.
     """
-    points = np.concatenate([stretch.start, stretch.end])
-    extent = max(1e-300, abs(complex(np.ptp(points.real), np.ptp(points.imag))))
-    exact = TOLERANCE * observed.diagonal / extent
-    decimals = _decimals(observed, points)
-    grain = 0.0 if decimals is None else 10.0**-decimals
-    rounded = NEAREST * grain / extent
-    start, end = stretch.start, stretch.end
-    styles = observed.style[stretch.rows].astype(np.int64) if not stretch.braces else None
-    found = fold(start, end, styles=styles, tolerance=exact)
-    if found is not None:
-        return found, None
-    if grain:
-        found = fold(start, end, styles=styles, tolerance=rounded, grain=grain, seconds=ROUNDED)
-    if found is None and stretch.braces:
-        closed = stretch.braces == POLYGON
-        found = fold_repeats(start, end, closed=closed, tolerance=exact)
-        if found is not None:
-            return found, None
-        if grain:
-            found = fold_repeats(start, end, closed=closed, tolerance=rounded, grain=grain)
-    return found, decimals
-
-
-def _decimals(observed: Observation, points: Complexes) -> int | None:
-    """How many decimals the coordinates of points have, where these are so few that rounding moved
-    the points by more than the tolerance; None where not, or where no page says where y = 0 is.
-    """
-    if observed.box is None:
-        return None
-    values = np.concatenate([points.real, points.imag, [observed.flip]])
-    for decimals in range(MOST_DECIMALS):
-        if 10.0**-decimals < TOLERANCE * observed.diagonal:
-            return None
-        if np.abs(values - np.round(values, decimals)).max() <= SAME * np.abs(values).max():
-            return decimals
-    return None
+    page = Page(observed.diagonal, observed.flip, observed.box is not None)
+    outline = bool(stretch.braces)
+    return folded(
+        page,
+        stretch.start,
+        stretch.end,
+        styles=None if outline else observed.style[stretch.rows].astype(np.int64),
+        closed=stretch.braces == POLYGON,
+        repeats=outline,
+    )
 
 
 def _rules(recursion: Recursion) -> int:

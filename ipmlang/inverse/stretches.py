@@ -86,12 +86,26 @@ def _outlines(observed: Observation, straight: Integers) -> Iterator[Stretch]:
     rows = np.flatnonzero(straight > 0)
     if len(rows) > 1 and _together(observed, rows) and np.ptp(observed.style[rows]) == 0:
         yield from _stretch(observed, rows)
-    if len(observed) <= MOST_OTHERS + 1:
+    if are_few(observed):
         single = np.array([len(each.members) == 1 for each in observed.classes], np.bool_)
         alone = np.where(single[observed.shape], straight, 0)  # others are drawn by one rule each
         order = np.argsort(-alone, kind="stable")[:MOST_ALONE]
         for row in order[alone[order] > 1].tolist():
             yield from _stretch(observed, np.array([row]))
+
+
+def are_few(observed: Observation) -> bool:
+    """Whether outlines are looked at by themselves: there are few elements, and not two that could
+    both be curves. Rules of several curves in one file count their steps, which is for others.
+    """
+    if len(observed) > MOST_OTHERS + 1:
+        return False
+    long = (
+        shape.outline
+        for shape in observed.classes
+        if shape.outline is not None and len(shape.outline.kind) >= 2 * FEWEST
+    )
+    return sum(bool((each.kind == LINE).all()) for each in long) < 2
 
 
 def _stretch(observed: Observation, rows: Integers) -> Iterator[Stretch]:
@@ -134,6 +148,14 @@ def _recurs(start: Complexes, end: Complexes) -> bool:
         part = letters[place : place + len(windows)].astype(np.uint64)
         windows = windows * np.uint64(PRIME) + part + np.uint64(1)
     return len(np.unique(windows)) <= len(windows) * DIFFERENT
+
+
+def is_turtles(outline: Outline, style: Style) -> bool:
+    """Whether an outline could be a turtle's `path` or `polygon`: straight lines in a plain pen, in
+    one closed part or any number of open ones.
+    """
+    one = len(outline.closed) == 1 or not outline.closed.any()
+    return one and _is_plain(style) and not style.effects and bool((outline.kind == LINE).all())
 
 
 def _is_plain(style: Style) -> bool:

@@ -142,6 +142,24 @@ def test_curves_stand_among_rules_of_other_kinds(tmp_path: Path) -> None:
     assert found.report.tokens < 300, found.text
 
 
+@pytest.mark.parametrize("decimals", [1, 3, 8])
+def test_a_bracketed_plant_beside_a_curve_are_both_rules(decimals: int, tmp_path: Path) -> None:
+    """The plant is one path, its pen lifted at each branch; a rounded page keeps its decimals."""
+    named = (("Koch curve", "#222"), ("weed, 1.24a", "green"), ("dragon, 1.10a", "#a00"))
+    curves = [
+        f'<path d="{data_of(*on_page(name), decimals)}" fill="none" stroke="{stroke}"/>'
+        for name, stroke in named
+    ]
+    dots = "".join(f'<rect x="{20 + 8 * k}" y="440" width="6" height="5"/>' for k in range(50))
+    source = tmp_path / "drawn.svg"
+    source.write_text(page(curves[0] + dots + "".join(curves[1:])))
+    found = given_back(source, tmp_path)
+    assert found.text.count("path {") == 3, found.text
+    assert found.text.count("asset") == 1 and "asset rect in" in found.text
+    assert (f"decimals {decimals}" in found.text) == (decimals < 4)
+    assert found.report.tokens < 350
+
+
 def gear(teeth: int, decimals: int) -> list[tuple[float, float]]:
     """A closed outline of four corners a tooth."""
     angles = np.arange(teeth)[:, None] * 2 * np.pi / teeth + np.array([0, 0.02, 0.05, 0.08])

@@ -7,7 +7,7 @@ Paint order and styles are kept; nothing is moved.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 from dataclasses import replace
 from itertools import pairwise
 
@@ -23,9 +23,15 @@ _MOST_PAIRS = 30_000_000
 _PAIRS_AT_ONCE = 2_000_000
 
 
-def split_compound(drawing: Drawing) -> Drawing:
-    """The drawing with compound paths split into as many elements as look the same."""
-    elements = tuple(part for element in drawing.elements for part in _parts(element))
+def split_compound(drawing: Drawing, whole: Set[int] = frozenset()) -> Drawing:
+    """The drawing with compound paths split into as many elements as look the same; whole: numbers
+    of elements that stay as they are.
+    """
+    elements = tuple(
+        part
+        for number, element in enumerate(drawing.elements)
+        for part in ((element,) if number in whole else _parts(element))
+    )
     return replace(drawing, elements=elements)
 
 
