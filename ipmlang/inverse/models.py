@@ -117,13 +117,15 @@ def _searched(goal: _Goal, plain: Scheme, options: Options) -> Iterator[Scheme]:
         yield plain
         return
     from ipmlang.inverse.split.facades.splitting import as_splits
+    from ipmlang.inverse.split.pairing import paired
 
     for found in _found_by_search(goal, small):
         if _shorter(goal, found, plain, small):
-            split = as_splits(found, small)
-            if split is not found:
-                yield split
-            yield found
+            joined = paired(found, small)
+            split = as_splits(joined, small)
+            if split is not joined:
+                yield paired(split, small)
+            yield joined
     yield plain
 
 

@@ -15,6 +15,7 @@ from ipmlang.inverse.split.search.growth import Grown
 from ipmlang.inverse.split.snapping import label_rows, snap_columns
 
 MOST = 24  # occurrences
+LEAST, LEAST_HALF = 3, 32  # parts of a side; few parts of a half are as plain on either side
 SAME = 1e-5  # share of what the motif spans
 TILT = (3e-3, -1e-3, 1e-5)  # no two images lie equally far along a direction
 LEADS = (
@@ -32,7 +33,7 @@ LEADS = (
 def coherent(field: Field, grown: Grown) -> Grown:
     """The motif with each part on one side, if its motions are a group and that is plainer."""
     count, size = grown.rows.shape
-    if size < 3 or not 2 <= count <= MOST:
+    if size < (LEAST_HALF if count == 2 else LEAST) or not 2 <= count <= MOST:
         return grown
     centers = field.points[grown.rows, 0]
     after = _products(grown.motion, SAME * (float(np.abs(centers).max()) + 1e-12))
