@@ -15,7 +15,7 @@ from ipmlang.runtime.bodies import Writer
 from ipmlang.runtime.chains import Chain, Drawing, tail_of, walk_of
 from ipmlang.runtime.choose import OVER, no_truth, out_of_range, over
 from ipmlang.runtime.code import compile_values, source
-from ipmlang.runtime.content import KEPT, Content, Numbered, named
+from ipmlang.runtime.content import KEPT, Content, Numbered
 from ipmlang.runtime.motion import State, mirrors
 from ipmlang.runtime.naming import OWN, Scope, Setting
 from ipmlang.runtime.primitives import UnscannableError, bound, compiled, function, names_for
@@ -61,7 +61,7 @@ class Compiled:
             content = numbered.content(production.body, apart)
 
             def write(writer: Writer) -> None:
-                body = named(production.body, count) if apart else production.body
+                body = numbered.named(production.body, count) if apart else production.body
                 writer.body(body, _scope(count, len(numbered.lengths)), self._state())
 
             found = self._made(numbered, content, write, count, single)

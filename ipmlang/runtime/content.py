@@ -21,7 +21,7 @@ from ipmlang.compiler import ir
 from ipmlang.runtime.naming import Setting
 
 Content: TypeAlias = tuple[Hashable, ...]
-LENGTH = ("length",)  # in place of a constant that has a name
+LENGTH = ("length",)  # in place of a number that has a name
 MOST = 20_000  # instructions of all the bodies that are kept: some 20 MB
 
 
@@ -33,7 +33,7 @@ class Numbered:
         self._symbols: dict[int, str] = {}
         self._assets: dict[int, str] = {}
         self._tables: dict[int, str] = {}
-        self.lengths: list[float] = []  # what constants of a body are that have names
+        self.lengths: list[float] = []  # the constants and attributes of a body that have names
         self.size = 0  # instructions seen so far
 
     def symbol(self, number: int) -> str:
@@ -83,8 +83,11 @@ class Numbered:
             case "module":
                 assert isinstance(const, int)
                 return self._named(const)
+            case "attr" if apart and is_length(value := self._attr(each)):
+                self.lengths.append(value)
+                return LENGTH
             case "attr":
-                return repr(self._setting.attrs[int(str(const))])
+                return repr(self._attr(each))
             case "emit":
                 assert isinstance(const, int)
                 return self.asset(const)
@@ -100,6 +103,28 @@ class Numbered:
             case _:
                 return const if const is None or isinstance(const, str) else repr(const)
 
+    def _attr(self, each: ir.Instruction) -> float:
+        return self._setting.attrs[int(str(each.const))]
+
+    def named(self, code: Sequence[ir.Instruction], first: int) -> tuple[ir.Instruction, ...]:
+        """Code whose lengths are parameters, the first of that number, in the order of the code."""
+        places = count(first)
+
+        def inner(body: Sequence[ir.Instruction]) -> tuple[ir.Instruction, ...]:
+            return tuple(
+                ir.Instruction("param", each.out, const=next(places))
+                if self._is_named(each)
+                else replace(each, body=inner(each.body)) if each.body else each
+                for each in body
+            )  # fmt: skip
+
+        return inner(code)
+
+    def _is_named(self, each: ir.Instruction) -> bool:
+        if each.op == "attr":
+            return is_length(self._attr(each))
+        return each.op == "const" and is_length(each.const)
+
     def _named(self, number: int) -> Content:
         """The symbol of a module; what it does where that is written out, told once."""
         known = number in self._symbols
@@ -112,21 +137,6 @@ class Numbered:
         if symbol.productions or symbol.interpretation:
             return ()
         return (symbol.name, symbol.arity, self.content(symbol.meaning or ()))
-
-
-def named(code: Sequence[ir.Instruction], first: int) -> tuple[ir.Instruction, ...]:
-    """Code whose lengths are parameters, the first of that number, in the order of the code."""
-    places = count(first)
-
-    def inner(body: Sequence[ir.Instruction]) -> tuple[ir.Instruction, ...]:
-        return tuple(
-            ir.Instruction("param", each.out, const=next(places))
-            if each.op == "const" and is_length(each.const)
-            else replace(each, body=inner(each.body)) if each.body else each
-            for each in body
-        )  # fmt: skip
-
-    return inner(code)
 
 
 def is_length(const: ir.Const) -> TypeGuard[float]:

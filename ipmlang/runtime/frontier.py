@@ -93,6 +93,7 @@ class Frontier(Trimming):
         self.polygons: tuple[NDArray[np.float64], ...] = ()
         self.notes: tuple[str, ...] = ()
         self._single = Single(self)
+        self._sound: dict[int, Column] = {}  # columns of the batch that were found to be finite
 
     @property
     def shapes(self) -> int:
@@ -257,8 +258,10 @@ class Frontier(Trimming):
 
     def _check(self, symbol: int, shapes: Shapes) -> None:
         """Stop at a parameter or a state that is not finite."""
+        self._sound.clear()
         for column in (*shapes.params, *shapes.state[: 3 if self.program.flat else 7]):
             if _is_finite(column):
+                self._sound[id(column)] = column
                 continue
             wrong = np.flatnonzero(~np.isfinite(np.broadcast_to(column, (shapes.count,))))
             if len(wrong):
@@ -316,7 +319,7 @@ class Frontier(Trimming):
         self, chunk: Chunk, columns: Iterable[Column], said: str, around: Around
     ) -> None:
         for column in columns:
-            if _is_finite(column) or not chunk.count:
+            if id(column) in self._sound or _is_finite(column) or not chunk.count:
                 continue
             wrong = np.flatnonzero(~np.isfinite(np.atleast_1d(chunk.column(column))))
             if len(wrong):

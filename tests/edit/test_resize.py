@@ -13,8 +13,9 @@ import pytest
 
 from ipmlang import edit
 from ipmlang.compiler.diagnostics import IpmError
+from ipmlang.compiler.load import Loaded
 from ipmlang.edit import saving
-from ipmlang.edit.buildings import dividing
+from ipmlang.edit.buildings import dividing, tree
 from ipmlang.edit.buildings.contacts import gaps, neighbours
 from ipmlang.edit.buildings.resizing import Wanted, resize
 from ipmlang.edit.buildings.soundness import came_apart
@@ -249,3 +250,27 @@ def test_an_edit_goes_on_from_what_the_one_before_it_derived(tmp_path: Path) -> 
     model = draft.folder / "brick.obj"
     model.write_text(f"{model.read_text(encoding='utf-8')}# larger\n", encoding="utf-8")
     assert grown(draft).scene is not tree.scene
+
+
+def test_attributes_are_tried_on_the_program_that_is_known(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One text is compiled, that of the result; trees of trials push out none of an edit's own."""
+    draft = draft_of("floors", tmp_path)
+    before = grown(draft)
+    compiled: list[str] = []
+    compile_loaded = tree.compile_loaded
+
+    def noted(loaded: Loaded) -> object:
+        compiled.append(loaded.main.source.text)
+        return compile_loaded(loaded)
+
+    monkeypatch.setattr(tree, "compile_loaded", noted)
+    made = resize(draft, "Facade", Wanted(y=19.2))
+    assert "int   = 6 in" in made.text
+    lots = [text for text in compiled if "box(15, 9, 0)" not in text]
+    assert compiled == [*lots, made.text], "trials of the lot, and no other"
+    compiled.clear()
+    assert grown(draft).scene is before.scene
+    assert grown(made).names.count("Facade") == 1
+    assert not compiled

@@ -157,6 +157,9 @@ def test_bodies_that_differ_in_lengths_are_written_once(
             patched.setattr(content, "is_length", lambda const: False)
             assert found == fresh(program, monkeypatch), "the same bits as with literals"
         assert written
+        written.clear()
+        taller = drawn(derive(program, attrs={"high": 2.75}))
+        assert taller != found and not written, "an attribute's length has a name, too"
     whole = compile_text(BOXES.format(**{**LENGTHS[0], "x": "2"}), folder=tmp_path)[1]
     written.clear()
     assert drawn(derive(whole)) == fresh(whole, monkeypatch) != found

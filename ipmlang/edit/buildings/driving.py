@@ -21,7 +21,7 @@ from ipmlang.edit.arithmetic import literal, number_of
 from ipmlang.edit.buildings.deciding import Key, deciding
 from ipmlang.edit.buildings.measuring import Measured
 from ipmlang.edit.buildings.soundness import came_apart, extents, follows, out_of_line, runs_into
-from ipmlang.edit.buildings.tree import Tree, grown
+from ipmlang.edit.buildings.tree import Tree, grown, tree_of
 from ipmlang.edit.buildings.units import tolerance
 from ipmlang.edit.draft import Change, Draft, with_items, with_parameters
 from ipmlang.edit.places import Place
@@ -40,7 +40,8 @@ TRY = 1.07  # times a number, to see what it does
 class Knob:
     """A number of the grammar. where: as a person reads it; value: now; put: the draft with another
     one; whole: it counts something; low, high: what it may be; alone: it sizes or moves one part,
-    which what lies in one plane with it may not follow.
+    which what lies in one plane with it may not follow; attr: the attribute that it is the default
+    of, so that it can be tried without another text.
     """
 
     where: str
@@ -50,6 +51,7 @@ class Knob:
     low: float = -math.inf
     high: float = math.inf
     alone: bool = False
+    attr: str | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,10 +83,13 @@ def _one(tree: Tree, aim: Aim, axis: int) -> Tree | None:
     for number, knob in enumerate(_knobs(tree, aim, axis)):
         if number >= TRIALS:
             return None
-        found = _solved(tree, aim, axis, knob)
-        if found is None or not _is_meant(tree, found, aim, axis):
+        solved = _solved(tree, aim, axis, knob)
+        if solved is None or not _is_meant(tree, solved[0], aim, axis):
             continue
-        if not (knob.alone and out_of_line(tree, found, tolerance(tree))):
+        if knob.alone and out_of_line(tree, solved[0], tolerance(tree)):
+            continue
+        found = _written(tree, knob, *solved)
+        if found is not None:
             return found
     return None
 
@@ -131,8 +136,8 @@ def _vanished(before: Tree, after: Tree) -> bool:
     return bool(((first > 0) & (last < LEAST * first)).any())
 
 
-def _solved(tree: Tree, wanted: Aim, axis: int, knob: Knob) -> Tree | None:
-    """The tree with a number such that the size is right, by secants."""
+def _solved(tree: Tree, wanted: Aim, axis: int, knob: Knob) -> tuple[Tree, float] | None:
+    """The tree with a number such that the size is right, and that number, by secants."""
     key, aim = wanted.keys[0], float(wanted.size[axis])
     now = size_of(tree, key, axis)
     assert now is not None
@@ -156,7 +161,7 @@ def _solved(tree: Tree, wanted: Aim, axis: int, knob: Knob) -> Tree | None:
         if made is None or size is None:
             return None
         if abs(size - aim) <= FIT * max(aim, 1.0):
-            return made
+            return made, guess
         if abs(size - y) <= 1e-12 * max(aim, 1.0):
             return None
         following = guess + (aim - size) * (guess - x) / (size - y)
@@ -169,10 +174,25 @@ def _solved(tree: Tree, wanted: Aim, axis: int, knob: Knob) -> Tree | None:
 
 
 def _tried(knob: Knob, value: float, like: Tree) -> Tree | None:
+    """The tree with another number; of an attribute by giving it to the program that is known."""
     try:
-        return grown(knob.put(value), like=like)
+        if not _is_given_to(like, knob):
+            return grown(knob.put(value), like=like)
+        given = int(value) if knob.whole else value
+        return tree_of(like.draft, like.program, attrs={str(knob.attr): given}, like=like)
     except IpmError:
         return None
+
+
+def _is_given_to(tree: Tree, knob: Knob) -> bool:
+    """Whether a number is an attribute of the program of a tree, whose files still lie there."""
+    known = any(each.name == knob.attr for each in tree.program.attrs)
+    return known and not tree.draft.added
+
+
+def _written(tree: Tree, knob: Knob, made: Tree, value: float) -> Tree | None:
+    """The tree with a number, as the text with that number says it."""
+    return _tried(replace(knob, attr=None), value, tree) if _is_given_to(tree, knob) else made
 
 
 def size_of(tree: Tree, key: Key, axis: int) -> float | None:
@@ -269,7 +289,7 @@ def _named(draft: Draft, number: int, item: ast.Attr, value: float, whole: bool)
     if isinstance(item.allowed, ast.Range):
         low = _bound(item.allowed.low, low)
         high = _bound(item.allowed.high, high)
-    return Knob(item.name, value, put, whole, low, high)
+    return Knob(item.name, value, put, whole, low, high, attr=item.name)
 
 
 def _bound(expr: ast.Expr | None, default: float) -> float:

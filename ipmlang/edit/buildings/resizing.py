@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ipmlang.compiler import collector
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail
 from ipmlang.edit.buildings.attachments import Attached, attach, settle, stretching, warped
 from ipmlang.edit.buildings.deciding import Key
@@ -67,6 +68,7 @@ class Wanted:
         return found
 
 
+@collector.held()
 def resize(
     draft: Draft,
     select: str | None,

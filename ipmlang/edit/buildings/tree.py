@@ -296,20 +296,20 @@ def grown(
             drawn = Drawn(draft.grammar, draft.added, len(tree.scene.instances))
             draft = replace(draft, drawn=drawn)
         tree = replace(tree, draft=draft, stamps=stamps)
-        _note(tree)
+        _note(tree, like)
     return tree
 
 
-def _note(tree: Tree) -> None:
-    """Note that a tree was used."""
+def _note(tree: Tree, like: Tree | None = None) -> None:
+    """Note that a tree was used; what it is like was, too, if that is known."""
     trees = _last_trees()
+    if like is not None and any(each.scene is like.scene for each in tuple(trees)):
+        trees.append(like)
     if not trees or trees[-1] is not tree:
         trees.append(tree)
 
 
-def _derived(
-    draft: Draft, seed: int, attrs: Mapping[str, float] | None, like: Tree | None
-) -> Tree:
+def _derived(draft: Draft, seed: int, attrs: Mapping[str, float] | None, like: Tree | None) -> Tree:
     """The tree of a draft as its text says it."""
     if not draft.added:
         loaded = load_text(draft.text, draft.folder, draft.allow_outside)

@@ -192,7 +192,9 @@ def _inserted(given: Given, state: State, asset: int) -> State:
     natural = (high - low)[:, None]
     fit = given.word(1) or "scope"
     align = given.word(3) or ("corner" if fit == "none" else "middle")
-    same = all(isinstance(each, float) for each in (*(state[name] for name in SIZES), given.args[2]))
+    same = all(
+        isinstance(each, float) for each in (*(state[name] for name in SIZES), given.args[2])
+    )
     count = 1 if same else given.count
     kept = full(given.args[2], count)
     keep = (kept != 0) & (kept != NOT_GIVEN) | (fit in ("none", "inside"))
