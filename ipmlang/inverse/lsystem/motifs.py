@@ -28,6 +28,7 @@ from ipmlang.inverse.lsystem.repeats import apart, find_repeats
 from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers
 from ipmlang.inverse.score import HEAD, Tabled, followed_tokens, tabled
 
+LEAST = 3  # symbols
 MOST = 6  # stretches of one order of magnitude that are looked at closely
 SNAP = 1e-7  # relative: a fitted turn or size this close to a plain one may be the plain one
 
@@ -47,23 +48,51 @@ def find_motifs(
     """Stretches of three symbols or more; labels: (n - 1,) equal for equal steps; cost: of the
     arrangement; small: units.
     """
-    found = []
+    places: list[Integers] = []
+    lengths: list[int] = []
     for repeat in find_repeats(labels, cost.alone[1:].astype(np.float64), MOST):
-        length = repeat.length + 1
-        rows = apart(repeat.places, length)
-        if length < 3 or len(rows) < 2:
-            continue
-        saved = cost.saved(rows, np.full(len(rows), length))
-        inside = relative_places(arrangement.placed, int(rows[0]), length)
-        other = np.diff(cost.begin[rows[0] : rows[0] + length]) != 0
-        saved -= HEAD + tabled(inside, other, small).needed
-        gain = saved - float(cost.alone[rows].sum())
-        if gain < 1.0 <= saved:  # what does not pay alone may do so as a row, at the end
-            left = followed_tokens(arrangement.placed[rows], rows, length, small)
-            gain = min(1.0, saved - left)
+        rows = apart(repeat.places, repeat.length + 1)
+        if repeat.length + 1 >= LEAST and len(rows) > 1:
+            places.append(rows)
+            lengths.append(repeat.length + 1)
+    if not places:
+        return []
+    often = np.array([len(rows) for rows in places], np.int64)
+    every, begin = np.concatenate(places), np.cumsum(often) - often
+    saved = cost.saved_by(every, np.repeat(lengths, often), begin)
+    left = np.add.reduceat(cost.alone[every], begin)
+    found = []
+    for rows, length, saves, takes in zip(places, lengths, saved, left.tolist(), strict=True):
+        gain = _gain(arrangement, cost, rows, length, float(saves), takes, small)
         if gain >= 1.0:
             found.append(Motif(gain, rows, length))
     return found
+
+
+def _gain(
+    arrangement: Arrangement,
+    cost: Tabled,
+    rows: Integers,
+    length: int,
+    saved: float,
+    left: int,
+    small: float,
+) -> float:
+    """Tokens that a rule for a stretch saves; saved: by its symbols, left: by what stands for them
+    one by one. What does not pay alone may do so as a row, at the end.
+    """
+    follows = np.diff(rows) == length
+    row = bool((follows[1:] & follows[:-1]).any())
+    # Each symbol in the rule takes a token at least.
+    if saved - HEAD - length - (0 if row else left) < 1.0:
+        return 0.0
+    inside = relative_places(arrangement.placed, int(rows[0]), length)
+    other = np.diff(cost.begin[rows[0] : rows[0] + length]) != 0
+    saved -= HEAD + tabled(inside, other, small).needed
+    gain = saved - left
+    if row and gain < 1.0 <= saved:
+        gain = min(1.0, saved - followed_tokens(arrangement.placed[rows], rows, length, small))
+    return gain
 
 
 def relative_places(placed: Frames, row: int, length: int) -> Frames:

@@ -19,7 +19,7 @@ from itertools import combinations, islice, product
 import numpy as np
 
 from ipmlang.inverse.lsystem.frames import Frames, frames
-from ipmlang.inverse.recursion.chains import Chain, find_chains, first_chains
+from ipmlang.inverse.recursion.chains import Chain, find_chains, first_chains, may_begin
 from ipmlang.inverse.recursion.nodes import Nodes, make_nodes
 from ipmlang.inverse.recursion.strokes import Integers
 from ipmlang.inverse.recursion.twigs import (
@@ -74,8 +74,11 @@ def find_branching(
     deadline = time.process_time() + seconds
     nodes = make_nodes(placed, stabiliser, free, radius, tolerance)
     best: Branching | None = None
-    for root in _roots(placed):
-        for linear in (False, True) if not free else (False,):
+    roots = np.array(_roots(placed), np.int64)
+    kinds = (False, True) if not free else (False,)
+    may = {each: may_begin(nodes, roots, each) if painted else roots >= 0 for each in kinds}
+    for number, root in enumerate(roots.tolist()):
+        for linear in (each for each in kinds if may[each][number]):
             found = _from_root(nodes, root, linear, painted, deadline)
             if found is not None and (best is None or len(found.order) > len(best.order)):
                 best = found

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ipmlang.inverse.lsystem.frames import Floats, Frames, compose, frames, join, wrap
 from ipmlang.inverse.recursion.nodes import Nodes, between
@@ -24,6 +25,8 @@ COMPARABLE = 0.3
 LONGEST = 40
 MOST_CHAINS = 40
 MOST_LINKS = 256
+MOST_EACH = 16  # frames of one copy, all triples of which are tried at once
+ROOM = 1.01  # times the tolerance: rounding must not rule out what is there
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,6 +63,54 @@ def find_chains(nodes: Nodes, start: Frames, root: int, linear: bool) -> list[Ch
 def first_chains(nodes: Nodes, start: Frames, root: int, linear: bool) -> list[Chain]:
     """The same whose every link is the copy after the one before."""
     return _chains(nodes, start, root, linear, _next, True)
+
+
+def may_begin(nodes: Nodes, roots: Integers, linear: bool) -> NDArray[np.bool_]:
+    """(r,) from which copies `first_chains` may find any: the copies after each are asked by
+    themselves, all roots at once.
+    """
+    links = 3 if linear else 2
+    there = roots + links < nodes.count
+    roots = roots[there]
+    if nodes.free or nodes.each > MOST_EACH or not len(roots):
+        return there
+    start = nodes.every[roots * nodes.each][:, None]
+    one, two = (_copies(nodes, roots + ahead) for ahead in (1, 2))
+    step = between(start, one)
+    if linear:
+        beyond, good = _third(step, between(one[:, :, None], two[:, None]), two[:, None])
+    else:
+        beyond, good = compose(one, step)[:, :, None], np.ones((1, 1, 1), np.bool_)
+    last = _copies(nodes, roots + links)[:, None, None]
+    beyond = beyond[..., None]
+    bound = ROOM * nodes.tolerance
+    near = good[..., None] & (np.abs(beyond.position - last.position) <= bound)
+    near &= np.abs(beyond.factor - last.factor) * nodes.radius <= bound
+    near &= beyond.handedness == last.handedness
+    there[there] = near.any(axis=(1, 2, 3))
+    return there
+
+
+def _copies(nodes: Nodes, copies: Integers) -> Frames:
+    """(r, k) all frames of some copies (r,)."""
+    return nodes.every[copies[:, None] * nodes.each + np.arange(nodes.each)]
+
+
+def _third(step: Frames, after: Frames, second: Frames) -> tuple[Frames, NDArray[np.bool_]]:
+    """(r, k, k) where a third link ends, if steps (r, k) change to those after (r, k, k) as much as
+    these change again, and which of them go on; second: (r, 1, k) where the second link ends.
+    """
+    first = steps_of(step.flat()).reshape(*step.x.shape, 1, 4)
+    change = steps_of(after.flat()).reshape(*after.x.shape, 4) - first
+    change[..., [TURN, SPIN]] = wrap(change[..., [TURN, SPIN]])
+    third = first + 2 * change
+    hand = np.broadcast_to(step.handedness[..., None], after.x.shape)
+    good = (after.handedness == hand) & (third[..., SCALE] > 0)
+    made = _frames_of(third.reshape(-1, 4), hand.ravel().astype(np.int64))
+    shape = after.x.shape
+    columns = (made.x, made.y, made.angle, made.scale)
+    x, y, angle, scale = (each.reshape(shape) for each in columns)
+    return compose(second, Frames(x, y, angle, scale, made.handedness.reshape(shape))), good
 
 
 def _chains(
