@@ -18,7 +18,8 @@ STILL = 1e-12  # units or ratio
 
 def drop_aliases(book: Book) -> None:
     """Write the only member of a group in the group's place."""
-    structures = {each.part for each in (*book.trees.values(), *book.lattices.values())}
+    structures = {each.part for each in book.trees.values()}
+    structures |= {each.part for each in book.lattices.values()}
     for rule in sorted(book.bodies):
         body = book.bodies[rule]
         bound = rule == AXIOM or rule in book.effects or rule in book.anchored
@@ -41,8 +42,9 @@ def _rename(book: Book, rule: int, part: int) -> None:
     """Whatever names a rule names a part; the rule goes."""
     del book.bodies[rule]
     for name, body in book.bodies.items():
-        parts = np.where(body.parts == rule, part, body.parts)
-        book.bodies[name] = Body(parts, body.places)
+        if rule in body.rows:
+            parts = np.where(body.parts == rule, part, body.parts)
+            book.bodies[name] = Body(parts, body.places)
     for loop in book.loops.values():
         loop.part = part if loop.part == rule else loop.part
     for name, tree in book.trees.items():

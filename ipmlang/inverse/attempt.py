@@ -389,13 +389,14 @@ def _explanation(
 
 def _explained(book: Book, rule: int) -> int:
     """How many elements of a body are drawn by rules, those of groups written out in it too."""
+    total, waiting = 0, [rule]
     inlined, structures = book.inlined(), set(book.rules())
-    total = 0
-    for part in book.bodies[rule].parts.tolist():
-        if part in inlined:
-            total += _explained(book, part)
-        elif part in structures or part in book.family:
-            total += int(book.size[part])
+    while waiting:
+        for part, rows in book.bodies[waiting.pop()].rows.items():
+            if part in inlined:
+                waiting += [part] * len(rows)
+            elif part in structures or part in book.family:
+                total += int(book.size[part]) * len(rows)
     return total
 
 

@@ -79,7 +79,7 @@ def settle_baselines(book: Book, alphabet: Alphabet) -> None:
 def _free(book: Book, alphabet: Alphabet) -> set[int]:
     """Groups and shapes whose origin is theirs to choose."""
     bound = {book.family.get(part, part) for part in book.repeated()} | book.anchored
-    used = {int(part) for body in book.bodies.values() for part in body.parts}
+    used = {part for body in book.bodies.values() for part in body.rows}
     shapes = {part for part in used if alphabet[part].terminal}
     return (shapes | book.bodies.keys()) - bound - {AXIOM}
 

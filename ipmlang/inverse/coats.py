@@ -22,9 +22,9 @@ OFTEN = 3  # copies of one style, on average, that make it worth an asset of its
 def merged_styles(book: Book, terminals: Sequence[Terminal]) -> dict[int, Painted]:
     """Terminals by number that the asset of another one, or their own, draws with declarations."""
     free = _only_in_axiom(book)
-    often = Counter(
-        part for rule in book.written_once() for part in book.bodies[rule].parts.tolist()
-    )
+    often: Counter[int] = Counter()
+    for rule in book.written_once():
+        often.update({part: len(rows) for part, rows in book.bodies[rule].rows.items()})
     groups: dict[tuple[int, frozenset[str]], list[int]] = {}
     for number, terminal in enumerate(terminals):
         if number in free and _is_plain(terminal):
@@ -43,9 +43,9 @@ def merged_styles(book: Book, terminals: Sequence[Terminal]) -> dict[int, Painte
 def _only_in_axiom(book: Book) -> set[int]:
     """Symbols that the axiom alone names, or groups written out in it."""
     once = book.written_once()
-    inner = {part for rule, body in book.bodies.items() if rule not in once for part in body.parts}
+    inner = {part for rule, body in book.bodies.items() if rule not in once for part in body.rows}
     inner |= set(book.repeated())
-    return {int(part) for rule in once for part in book.bodies[rule].parts} - inner
+    return {part for rule in once for part in book.bodies[rule].rows} - inner
 
 
 def _is_plain(terminal: Terminal) -> bool:

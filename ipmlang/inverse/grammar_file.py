@@ -399,8 +399,7 @@ def _named_by(book: Book, rule: int) -> list[tuple[int, int]]:
     if rule in book.loops:
         counts = [book.count[part] for part, own in book.family.items() if own == rule]
         return [(book.loops[rule].part, max(counts))]
-    parts, often = np.unique(book.bodies[rule].parts, return_counts=True)
-    return list(zip(parts.tolist(), often.tolist(), strict=True))
+    return [(part, len(rows)) for part, rows in book.bodies[rule].rows.items()]
 
 
 def _topological(book: Book) -> list[int]:

@@ -13,7 +13,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from ipmlang.inverse.lsystem.frames import Frames, compose, frames, inverse, join
+from ipmlang.inverse.lsystem.frames import Frames, compose, frames, identity, inverse, join
 from ipmlang.inverse.lsystem.symbols import Alphabet, Integers
 from ipmlang.inverse.score import placement_tokens
 from ipmlang.inverse.simplify import AXIOM, Book, regauge
@@ -40,11 +40,10 @@ class _Places:
     def __post_init__(self) -> None:
         book, often = self.book, self.book.uses()
         for name, body in book.bodies.items():
-            for part in np.unique(body.parts).tolist():
-                rows = np.flatnonzero(body.parts == part)
+            for part, rows in body.rows.items():
                 self.uses.setdefault(part, []).append((name, rows))
         free = book.written_once()
-        self.outside = {int(part) for rule in free for part in book.bodies[rule].parts}
+        self.outside = {part for rule in free for part in book.bodies[rule].rows}
         self.once = {
             part
             for part in self.uses
@@ -64,16 +63,17 @@ class _Places:
         shapes = [part for part in shapes if part not in self.once | self.outside]
         return [each for each in [*groups, *shapes] if each not in bound and each in self.uses]
 
-    def cost(self, symbol: int, change: Frames) -> int:
-        """Tokens of all uses of a symbol, and of its rule, after a change of its frame."""
-        book = self.book
-        total = int(placement_tokens(compose(self.of(symbol), change), book.small).sum())
+    def costs(self, symbol: int, uses: Frames, changes: Frames) -> Integers:
+        """(k,) tokens of all uses of a symbol, and of its rule, after each change of its frame."""
+        book, change = self.book, changes[:, None]
+        total: Integers = placement_tokens(compose(uses, change), book.small).sum(axis=1)
         if symbol not in book.bodies:
             return total
         body = book.bodies[symbol]
         tokens = placement_tokens(compose(inverse(change), body.places), book.small)
-        settled = np.isin(body.parts, list(self.once))
-        return total + int(np.where(settled, 1, tokens).sum())
+        settled = np.array([part in self.once for part in body.parts.tolist()])
+        own: Integers = np.where(settled, 1, tokens).sum(axis=1)
+        return np.asarray(total + own, np.int64)
 
 
 def share_places(book: Book, alphabet: Alphabet) -> None:
@@ -87,16 +87,12 @@ def share_places(book: Book, alphabet: Alphabet) -> None:
 
 def _move(known: _Places, symbol: int) -> bool:
     """Move one symbol's origin, if that is shorter; whether it was."""
-    options = _options(known.of(symbol), NEAR * known.book.small)
-    if not len(options):
-        return False
-    still = known.cost(symbol, frames(np.zeros(1, np.complex128)))
-    costs = [known.cost(symbol, options[k : k + 1]) for k in range(len(options))]
-    best = int(np.argmin(costs))
-    if costs[best] >= still:
-        return False
-    regauge(known.book, symbol, options[best : best + 1])
-    return True
+    uses = known.of(symbol)
+    options = join([identity(1), _options(uses, NEAR * known.book.small)])
+    best = int(np.argmin(known.costs(symbol, uses, options))) if len(options) > 1 else 0
+    if best:
+        regauge(known.book, symbol, options[best : best + 1])
+    return best > 0
 
 
 def _options(uses: Frames, near: float) -> Frames:

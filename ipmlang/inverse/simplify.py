@@ -13,7 +13,6 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ipmlang.inverse.lattices.formula import LatticeRule
 from ipmlang.inverse.lsystem.frames import (
@@ -35,14 +34,30 @@ if TYPE_CHECKING:
 
 AXIOM = -1
 LEAST = 6  # tokens that a group must save to be worth a name
+NOWHERE: Integers = np.zeros(0, np.int64)
 
 
 @dataclass(slots=True, eq=False)
 class Body:
-    """Symbols at places, in paint order: what a group's rule or the axiom says."""
+    """Symbols at places, in paint order: what a group's rule or the axiom says.
+
+    parts: never changed in place; rows: (k,) where each symbol stands, the first one first.
+    """
 
     parts: Integers
     places: Frames
+    rows: dict[int, Integers] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not self.rows:
+            found: dict[int, list[int]] = {}
+            for row, part in enumerate(self.parts.tolist()):
+                found.setdefault(part, []).append(row)
+            self.rows = {part: np.array(rows, np.int64) for part, rows in found.items()}
+
+    def moved(self, places: Frames) -> Body:
+        """The symbols at other places."""
+        return Body(self.parts, places, self.rows)
 
 
 @dataclass(slots=True, eq=False)
@@ -95,14 +110,15 @@ class Book:
         """How often each rule or terminal is named (sequences by family)."""
         found: Counter[int] = Counter()
         for body in self.bodies.values():
-            found.update(self.family.get(part, part) for part in body.parts.tolist())
+            for part, rows in body.rows.items():
+                found[self.family.get(part, part)] += len(rows)
         found.update(self.family.get(part, part) for part in self.repeated())
         return found
 
     def inlined(self) -> set[int]:
         """Groups under an effect that one body names once: they are written where they stand."""
         used = self.uses()
-        named = {int(part) for body in self.bodies.values() for part in body.parts}
+        named = {part for body in self.bodies.values() for part in body.rows}
         return {rule for rule in self.effects if used[rule] == 1 and rule in named}
 
     def written_once(self) -> set[int]:
@@ -111,7 +127,7 @@ class Book:
         waiting = [AXIOM]
         inlined = self.inlined()
         while waiting:
-            inside = inlined & set(self.bodies[waiting.pop()].parts.tolist())
+            inside = inlined & self.bodies[waiting.pop()].rows.keys()
             once |= inside
             waiting += inside
         return once
@@ -229,7 +245,7 @@ def recentre(book: Book) -> None:
 def _merge_single(book: Book) -> None:
     """Groups that are named once, in another group or the axiom, become part of it."""
     used = book.uses()
-    named = {part for body in book.bodies.values() for part in body.parts.tolist()}
+    named = {part for body in book.bodies.values() for part in body.rows}
     single = {rule for rule in book.bodies if used[rule] == 1 and rule in named}
     single -= book.effects.keys()
     if not single:
@@ -240,7 +256,7 @@ def _merge_single(book: Book) -> None:
 
     # Symbols are made of earlier ones, so what is merged into a body is complete itself.
     for rule in [*sorted(rule for rule in book.bodies if rule != AXIOM), AXIOM]:
-        if any(part in single for part in book.bodies[rule].parts.tolist()):
+        if not single.isdisjoint(book.bodies[rule].rows):
             _spread(book, rule, merged)
     for rule in single:
         del book.bodies[rule]
@@ -258,16 +274,16 @@ def _inline(book: Book, rule: int, users: list[int]) -> None:
 def _spread(book: Book, name: int, inner: Callable[[int], Body | None]) -> None:
     """Write members in place of the parts for which `inner` gives a body."""
     body = book.bodies[name]
-    known = {part: inner(part) for part in dict.fromkeys(body.parts.tolist())}
+    known = {part: inner(part) for part in body.rows}
     groups = {part: group for part, group in known.items() if group is not None}
     counts = np.ones(len(body.parts), np.int64)
     for part, group in groups.items():
-        counts[body.parts == part] = len(group.parts)
+        counts[body.rows[part]] = len(group.parts)
     first, row = np.cumsum(counts) - counts, np.repeat(np.arange(len(counts)), counts)
     parts, places = body.parts[row], body.places[row]
     ranks = book.ranks[row] if name == AXIOM else np.zeros(len(row), np.int64)
     for part, group in groups.items():
-        own = np.flatnonzero(body.parts == part)
+        own = body.rows[part]
         there = first[own][:, None] + np.arange(len(group.parts))
         parts[there] = group.parts
         places = replaced(places, there, compose(body.places[own][:, None], group.places))
@@ -303,7 +319,7 @@ def _drop_poor(book: Book) -> bool:
     for rule in sorted(costs, key=lambda each: (-costs[each], each)):
         if rule in touched:
             continue
-        touched |= {rule, *users.get(rule, []), *book.bodies[rule].parts.tolist()}
+        touched |= {rule, *users.get(rule, []), *book.bodies[rule].rows}
         _inline(book, rule, users.get(rule, []))
     if costs:
         book.drop_unused()
@@ -314,7 +330,7 @@ def _users(book: Book) -> dict[int, list[int]]:
     """The bodies that name each symbol."""
     found: dict[int, list[int]] = {}
     for name, body in book.bodies.items():
-        for part in dict.fromkeys(body.parts.tolist()):
+        for part in body.rows:
             found.setdefault(part, []).append(name)
     return found
 
@@ -325,12 +341,12 @@ def _excess(book: Book, rule: int, used: Counter[int], users: list[int]) -> int 
         return None
     inner = book.bodies[rule]
     bodies = [book.bodies[name] for name in users]
-    places = join([body.places[body.parts == rule] for body in bodies])
+    places = join([body.places[body.rows[rule]] for body in bodies])
     every = compose(places[:, None], inner.places)
     with_rule = HEAD + int(placement_tokens(inner.places, book.small).sum())
     with_rule += int(placement_tokens(places, book.small).sum())
     without = int(placement_tokens(every, book.small).sum())
-    counted = sum(COUNTED for part in inner.parts.tolist() if part in book.family)
+    counted = sum(COUNTED * len(rows) for part, rows in inner.rows.items() if part in book.family)
     return with_rule - without - counted * (used[rule] - 1)
 
 
@@ -345,7 +361,7 @@ def regauge(book: Book, rule: int, change: Frames) -> None:
     back = inverse(change)
     if rule in book.bodies:
         body = book.bodies[rule]
-        book.bodies[rule] = Body(body.parts, compose(back, body.places))
+        book.bodies[rule] = body.moved(compose(back, body.places))
     elif rule in book.trees or rule in book.lattices:
         raise ValueError("the frame of a structure is bound to its rule")
     elif rule not in book.loops:
@@ -355,18 +371,17 @@ def regauge(book: Book, rule: int, change: Frames) -> None:
             loop.pattern = loop.pattern.about(compose(loop.pattern.inside, change))
     for name, body in book.bodies.items():
         rows = naming(book, body, rule)
-        if rows.any():
+        if len(rows):
             moved = compose(body.places[rows], change)
-            book.bodies[name] = Body(body.parts, replaced(body.places, rows, moved))
+            book.bodies[name] = body.moved(replaced(body.places, rows, moved))
 
 
-def naming(book: Book, body: Body, rule: int) -> NDArray[np.bool_]:
-    """(n,) which members of a body name a rule or terminal."""
-    members = [part for part, own in book.family.items() if own == rule]
-    rows = np.zeros(len(body.parts), np.bool_)
-    for part in members if rule in book.family else [rule, *members]:
-        rows |= body.parts == part
-    return rows
+def naming(book: Book, body: Body, rule: int) -> Integers:
+    """(k,) which members of a body name a rule or terminal."""
+    found = [rows for part, rows in body.rows.items() if book.family.get(part, part) == rule]
+    if len(found) == 1:
+        return found[0]
+    return np.sort(np.concatenate(found)) if found else NOWHERE
 
 
 def in_loop(book: Book, rule: int) -> bool:
@@ -381,7 +396,7 @@ def _recentre_groups(book: Book) -> None:
         if body is None or rule == AXIOM or len(body.parts) < 3:
             continue
         same = book.family.get(int(body.parts[0]), int(body.parts[0]))
-        if any(book.family.get(part, part) != same for part in body.parts.tolist()):
+        if any(book.family.get(part, part) != same for part in body.rows):
             continue
         if same in book.loops or in_loop(book, same) or in_loop(book, rule):
             continue

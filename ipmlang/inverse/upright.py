@@ -51,13 +51,12 @@ def _downwards(book: Book) -> list[int]:
 def _place_simply(book: Book, alphabet: Alphabet, every: bool) -> None:
     """Equivalent frames with fewest tokens; `every`: for rules too, whose frames are as found."""
     for body in book.bodies.values():
-        for part in np.unique(body.parts).tolist():
+        for part, rows in body.rows.items():
             definition = alphabet[part]
             plain = definition.terminal and part not in book.assets
             if not (plain or every) or len(definition.stabiliser) > MANY:
                 continue
             if len(definition.stabiliser) > 1 or definition.free:
-                rows = np.flatnonzero(body.parts == part)
                 better = simplest_of(
                     body.places[rows], definition.stabiliser, definition.free, book.small
                 )
@@ -106,7 +105,7 @@ def _uses(book: Book, part: int, change: Frames) -> int:
     total = 0
     for body in book.bodies.values():
         rows = naming(book, body, part)
-        if rows.any():
+        if len(rows):
             total += int(placement_tokens(compose(body.places[rows], change), book.small).sum())
     for loop in book.loops.values():
         if book.family.get(loop.part, loop.part) == part:
@@ -115,10 +114,16 @@ def _uses(book: Book, part: int, change: Frames) -> int:
     return total
 
 
+def _places_of(book: Book, part: int) -> Frames:
+    """All places of a rule or terminal, those in the same body together."""
+    named = ((body, naming(book, body, part)) for body in book.bodies.values())
+    return join([body.places[rows] for body, rows in named if len(rows)])
+
+
 def _turn_rule(book: Book, alphabet: Alphabet, rule: int) -> None:
     """Give a rule the frame, among those of its uses, that takes fewest tokens in all."""
-    uses = join([body.places[naming(book, body, rule)] for body in book.bodies.values()])
-    if not len(uses.x):
+    uses = _places_of(book, rule)
+    if not len(uses):
         return
     nowhere = np.zeros(len(uses.x), np.complex128)
     back = inverse(frames(nowhere, uses.angle, uses.scale, uses.handedness))
@@ -139,13 +144,13 @@ def _turn_terminals(book: Book, alphabet: Alphabet) -> None:
     """Turn and size an asset as the rules that name it do, where that takes fewer tokens: what is
     slanted in the drawing may be plain in its own rule. What is named outside of rules stays.
     """
-    outside = {int(part) for rule in book.written_once() for part in book.bodies[rule].parts}
+    outside = {part for rule in book.written_once() for part in book.bodies[rule].rows}
     # What is named once takes its whole place into its asset, see `settle_terminals`.
     often = (part for part, count in book.uses().items() if count > 1)
     for part in sorted(part for part in often if alphabet[part].terminal):
         if part in outside or part in book.assets or in_loop(book, part):
             continue
-        uses = join([body.places[naming(book, body, part)] for body in book.bodies.values()])
+        uses = _places_of(book, part)
         nowhere = np.zeros(len(uses), np.complex128)
         options = inverse(frames(nowhere, uses.angle, uses.scale, uses.handedness))[:CANDIDATES]
         costs = placement_tokens(compose(uses, options[:, None]), book.small).sum(axis=1)
@@ -186,12 +191,12 @@ def _costs(
     body = book.bodies[rule]
     places = compose(inverse(changes)[:, None], body.places)
     plain = np.ones(len(body.parts), np.bool_)
-    for part in np.unique(body.parts).tolist():
+    for part in body.rows:
         group = alphabet[part].stabiliser
         several = alphabet[part].free or len(group) > 1
         if several and alphabet[part].terminal and part not in book.assets:
-            own = body.parts == part
-            plain &= ~own
+            own = body.rows[part]
+            plain[own] = False
             equal = _equivalent(places[:, own], group, alphabet[part].free)
             totals += placement_tokens(equal, book.small).min(axis=-1).sum(axis=-1)
     totals += placement_tokens(places[:, plain], book.small).sum(axis=-1)
