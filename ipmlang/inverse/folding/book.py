@@ -9,15 +9,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
-from typing import TypeAlias
 
 from ipmlang.compiler import ast
 from ipmlang.inverse.folding.fits import HEAD, Rounding
-from ipmlang.inverse.folding.known_rows import KnownRows, Rows
+from ipmlang.inverse.folding.known_rows import KnownRows, Path, Rows
 from ipmlang.inverse.folding.rows import Row, element_tokens, modules, rows_of
 from ipmlang.inverse.folding.templates import Template
-
-Path: TypeAlias = "tuple[int, ...]"  # from a rule's rows down to those of an inner row
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,7 +140,7 @@ class Book:
     def stretches(self) -> Iterator[tuple[str, Path, Rows]]:
         """Every sequence of rows, those in brackets too."""
         for name, rows in self.plain.items():
-            for path, inner in _inside(rows, ()):
+            for path, inner in self.known.inside(rows):
                 yield name, path, inner
 
     def rows_at(self, stretch: Stretch) -> Rows:
@@ -271,13 +268,6 @@ def _renamed(rows: Rows, names: Mapping[str, str]) -> Rows:
         )
         for row in rows
     )
-
-
-def _inside(rows: Rows, path: Path) -> Iterator[tuple[Path, Rows]]:
-    yield path, rows
-    for index, row in enumerate(rows):
-        if row.inner:
-            yield from _inside(row.inner, (*path, index))
 
 
 def _rewritten(

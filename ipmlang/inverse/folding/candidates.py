@@ -6,6 +6,7 @@ tokens that it could save. Nothing here looks at numbers.
 
 from __future__ import annotations
 
+from bisect import bisect
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from heapq import heappop, heappush
@@ -15,18 +16,18 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ipmlang.inverse.folding.book import Book, Path, Stretch
+from ipmlang.inverse.folding.book import Book, Stretch
 from ipmlang.inverse.folding.fits import HEAD, READ
-from ipmlang.inverse.folding.known_rows import KnownRows
+from ipmlang.inverse.folding.known_rows import KnownRows, Path, Rows
 from ipmlang.inverse.folding.rows import Row
 from ipmlang.inverse.folding.symbols import given_symbols
 from ipmlang.inverse.lsystem.repeats import apart, find_repeats
 
 Integers = NDArray[np.int64]
-Alike: TypeAlias = Callable[[KnownRows, Row], int]
+Alike: TypeAlias = Callable[[KnownRows, Rows], list[int]]
 
-KIND: Alike = KnownRows.kind  # numbers may differ
-FORM: Alike = KnownRows.form  # symbols, too
+KIND: Alike = KnownRows.kinds  # numbers may differ
+FORM: Alike = KnownRows.forms  # symbols, too
 
 OFTEN = 12  # repeats of one order of magnitude in length
 LONG = 12  # tokens of a bracket that may be a rule of its own
@@ -36,21 +37,22 @@ LONG = 12  # tokens of a bracket that may be a rule of its own
 class _Lines:
     """All sequences of rows of a book, one after the other.
 
-    first: where each sequence begins; rows: of all; homes: where each row stands; kinds: a number
-    for each, equal for rows that are alike; total: (n + 1,) tokens of the rows before each.
+    homes: the rule of each sequence and its path there; first: where it begins; rows: of all;
+    kinds: a number for each, equal for rows that are alike; total: (n + 1,) tokens of the rows
+    before each.
     """
 
     book: Book
+    homes: list[tuple[str, Path]]
     first: list[int]
     rows: list[Row]
-    homes: list[tuple[str, Path, int]]
     kinds: list[int]
     total: list[int]
 
     def stretch(self, place: int, count: int) -> Stretch:
         """The stretch of rows from a place on."""
-        name, path, begin = self.homes[place]
-        return Stretch(name, path, begin, count)
+        home = bisect(self.first, place) - 1
+        return Stretch(*self.homes[home], place - self.first[home], count)
 
     def bound(self, first: int, count: int, often: int) -> int:
         """Tokens that so many stretches of so many rows save at most."""
@@ -65,12 +67,15 @@ class _Lines:
 
 
 def _lines(book: Book, alike: Alike) -> _Lines:
-    sequences = list(book.stretches())
-    rows = [row for _, _, own in sequences for row in own]
-    homes = [(name, path, k) for name, path, own in sequences for k in range(len(own))]
-    first = list(accumulate((len(own) for _, _, own in sequences[:-1]), initial=0))
-    total = list(accumulate((row.tokens for row in rows), initial=0))
-    return _Lines(book, first, rows, homes, [alike(book.known, row) for row in rows], total)
+    known, lines = book.known, _Lines(book, [], [], [], [], [])
+    for name, path, rows in book.stretches():
+        if rows:
+            lines.homes.append((name, path))
+            lines.first.append(len(lines.rows))
+            lines.rows.extend(rows)
+            lines.kinds.extend(alike(known, rows))
+    lines.total.extend(accumulate([row.tokens for row in lines.rows], initial=0))
+    return lines
 
 
 def candidates(book: Book, most: int, alike: Alike) -> list[tuple[int, list[Stretch]]]:
@@ -133,8 +138,9 @@ def _brackets(lines: _Lines) -> Iterator[tuple[Integers, int]]:
 def _bodies(lines: _Lines) -> Iterator[tuple[Integers, int]]:
     """Whole rules of the same forms: where symbols may be any, few repeats end as they do."""
     found: dict[tuple[int, ...], list[int]] = {}
-    for first, end in pairwise([*lines.first, len(lines.rows)]):
-        if end - first > 1 and not lines.homes[first][1]:
+    ends = pairwise([*lines.first, len(lines.rows)])
+    for (_, path), (first, end) in zip(lines.homes, ends, strict=True):
+        if end - first > 1 and not path:
             found.setdefault(tuple(lines.kinds[first:end]), []).append(first)
     for form, places in found.items():
         if len(places) > 1:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.inverse.folding.lengths import RowLengths, row_lengths
-from ipmlang.inverse.folding.parameters import Parameters
+from ipmlang.inverse.folding.parameters import Means, Parameters
 from ipmlang.inverse.folding.pivots import about_points, may_turn
 from ipmlang.inverse.folding.rows import Row
 from ipmlang.inverse.folding.symbols import Given
@@ -61,13 +61,14 @@ class Fit:
     placed: int
     least: int
 
-    def affordable(self, room: int) -> int:
-        """How many parameters so many tokens pay for at most: each is named in the rule's head and
-        an argument of each call, with brackets around all of them.
+    def means(self, most: int, room: int) -> Means:
+        """What `most` parameters may take if there is room for so many tokens: each is named in the
+        rule's head and an argument of each call, with brackets around all of them.
         """
         calls = len(self.table)
         brackets = 0 if self.symbols.count else 2 * (calls + 1)
-        return max(0, min(MOST, (room - brackets) // (calls + 1 + READ)))
+        room += 2 * len(self.lengths.brackets)  # that may be no brackets if more stands in them
+        return Means(most, room, brackets, calls + 1 + READ)
 
     def rule_tokens(self, found: Parameters) -> int:
         """Of a rule with these parameters, its head included."""

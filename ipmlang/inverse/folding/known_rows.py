@@ -8,7 +8,7 @@ is made once for all books of one folding. Nothing here decides what is shorter.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
@@ -20,7 +20,7 @@ from ipmlang.inverse.folding.rows import Frame, Row, frames_of
 from ipmlang.inverse.lsystem.frames import Frames, compose, wrap
 
 Rows: TypeAlias = "tuple[Row, ...]"
-Alike: TypeAlias = Callable[[Row], object]
+Path: TypeAlias = "tuple[int, ...]"  # from a rule's rows down to those of an inner row
 
 
 @dataclass(slots=True, eq=False)
@@ -38,6 +38,9 @@ class KnownRows:
     _kind_of: dict[int, tuple[Row, int]] = field(default_factory=dict)
     _form_of: dict[int, tuple[Row, int]] = field(default_factory=dict)
     _rules: dict[tuple[int, ...], Rows] = field(default_factory=dict)
+    _kinds_of: dict[int, tuple[Rows, list[int]]] = field(default_factory=dict)
+    _forms_of: dict[int, tuple[Rows, list[int]]] = field(default_factory=dict)
+    _inside: dict[int, tuple[Rows, list[tuple[Path, Rows]]]] = field(default_factory=dict)
     _written: dict[tuple[int, int], tuple[Row, Rows, Rows]] = field(default_factory=dict)
     _named: dict[int, tuple[Rows, Mapping[str, int]]] = field(default_factory=dict)
 
@@ -124,6 +127,27 @@ class KnownRows:
             found = self._form_of[id(row)] = row, self._forms.setdefault(key, len(self._forms))
         return found[1]
 
+    def kinds(self, rows: Rows) -> list[int]:
+        """The number of each row's kind."""
+        found = self._kinds_of.get(id(rows))
+        if found is None:
+            found = self._kinds_of[id(rows)] = rows, [self.kind(row) for row in rows]
+        return found[1]
+
+    def forms(self, rows: Rows) -> list[int]:
+        """The number of each row's form."""
+        found = self._forms_of.get(id(rows))
+        if found is None:
+            found = self._forms_of[id(rows)] = rows, [self.form(row) for row in rows]
+        return found[1]
+
+    def inside(self, rows: Rows) -> Sequence[tuple[Path, Rows]]:
+        """The rows of a rule, and those in brackets, each with the path to them."""
+        found = self._inside.get(id(rows))
+        if found is None:
+            found = self._inside[id(rows)] = rows, list(_inside(rows, ()))
+        return found[1]
+
     def named(self, rows: Rows) -> Mapping[str, int]:
         """How often each name stands in the rows of a rule."""
         found = self._named.get(id(rows))
@@ -170,6 +194,13 @@ class KnownRows:
             call.frame, call.hand, call.pens, "", call.args, inside, call.other, call.origin,
             call.symbols,
         )  # fmt: skip
+
+
+def _inside(rows: Rows, path: Path) -> Iterator[tuple[Path, Rows]]:
+    yield path, rows
+    for index, row in enumerate(rows):
+        if row.inner:
+            yield from _inside(row.inner, (*path, index))
 
 
 def _said(row: Row) -> object:

@@ -64,10 +64,28 @@ class Parameters:
         return tokens, np.where(alone, self.first, np.nan)
 
 
-def parameters(table: Floats, errors: Floats, varying: Flags, most: int) -> Parameters | None:
-    """How each column (k, h) is said; varying: (h,) columns that are not all equal by the errors
-    (h,). None where there would be more than `most` parameters.
+@dataclass(frozen=True, slots=True)
+class Means:
+    """How many parameters there may be, and the tokens for all that they take: brackets around
+    them, each by itself, and what is said with them beyond a token for each number.
     """
+
+    most: int
+    room: int
+    brackets: int
+    each: int
+
+    @property
+    def affordable(self) -> int:
+        """How many parameters there can be at most."""
+        return max(0, min(self.most, (self.room - self.brackets) // self.each))
+
+
+def parameters(table: Floats, errors: Floats, varying: Flags, means: Means) -> Parameters | None:
+    """How each column (k, h) is said; varying: (h,) columns that are not all equal by the errors
+    (h,). None where the means do not suffice.
+    """
+    most, room = means.affordable, means.room - means.brackets
     waiting = np.flatnonzero(varying)
     own = table[:, waiting]
     close = _collinear(own, errors[waiting])
@@ -79,7 +97,8 @@ def parameters(table: Floats, errors: Floats, varying: Flags, most: int) -> Para
     signs: list[float] = []
     left = np.ones(len(waiting), np.bool_)
     while left.any():
-        if len(used) >= most:
+        room -= means.each
+        if len(used) >= most or room < 0:
             return None
         near = np.flatnonzero(close[int(left.argmax())] & left)
         found = _followers(own, errors[waiting], near)
@@ -89,8 +108,11 @@ def parameters(table: Floats, errors: Floats, varying: Flags, most: int) -> Para
             first[waiting[other]], slope[waiting[other]] = value, step * sign
             parameter[waiting[other]] = len(used)
             left[other] = False
+        room -= found.more
         used.append(int(waiting[column]))
         signs.append(sign)
+    if used and room < 0:
+        return None
     return Parameters(first, parameter, slope, used, np.array(signs))
 
 
@@ -108,7 +130,7 @@ def _collinear(table: Floats, errors: Floats) -> Flags:
     if len(table) < SURE:
         apart = np.abs(table[-1] - table[0])
         return np.asarray(np.abs(apart[:, None] - apart) <= errors, np.bool_)
-    spread = table - table.mean(axis=0)
+    spread = table - table.sum(axis=0) / len(table)
     products = spread.T @ spread
     sizes = np.diag(products)
     rest = sizes[None, :] - products**2 / np.maximum(sizes, 1e-300)[:, None]
@@ -119,11 +141,12 @@ def _collinear(table: Floats, errors: Floats) -> Flags:
 @dataclass(frozen=True, slots=True, eq=False)
 class _Followers:
     """A column that is a parameter; others: those that follow it, itself too, each with what it
-    begins with and its slope.
+    begins with and its slope; more: tokens that these take beyond one for each.
     """
 
     leader: int
     others: list[tuple[int, float, float]]
+    more: int
 
 
 def _followers(table: Floats, errors: Floats, near: Integers) -> _Followers:
@@ -133,9 +156,9 @@ def _followers(table: Floats, errors: Floats, near: Integers) -> _Followers:
     """
     count = len(table)
     if len(near) == 1:
-        return _Followers(int(near[0]), [(int(near[0]), 0.0, 1.0)])
+        return _Followers(int(near[0]), [(int(near[0]), 0.0, 1.0)], 0)
     leaders, others, room = table[:, near[:LEADERS]], table[:, near], errors[near]
-    spread = leaders - leaders.mean(axis=0)
+    spread = leaders - leaders.sum(axis=0) / count
     slopes = (spread.T @ others) / (spread * spread).sum(axis=0)[:, None]
     places = range(PLAIN + 1 if count >= SURE else 1)
     rounded = np.array([slopes.round(decimals) for decimals in places])  # (places, leaders, n)
@@ -144,14 +167,14 @@ def _followers(table: Floats, errors: Floats, near: Integers) -> _Followers:
     sound = (room >= 0) & (rounded != 0)
     if count < SURE:
         sound &= np.abs(rounded) == 1
-    plainest = sound.argmax(axis=0)[None]
-    slope = np.take_along_axis(rounded, plainest, 0)[0]
-    mean = np.take_along_axis(rest, plainest[..., None], 0)[0].mean(axis=-1)
-    off = np.maximum(np.take_along_axis(room, plainest, 0)[0], errors[near] / 8)
+    own = np.arange(len(leaders.T))
+    plainest = sound.argmax(axis=0), own[:, None], np.arange(len(near))
+    slope = rounded[plainest]
+    mean = rest[plainest].sum(axis=-1) / count
+    off = np.maximum(room[plainest], errors[near] / 8)
     firsts = np.where(np.abs(mean) <= np.minimum(off, 0.5), 0.0, mean)  # near enough for tokens
     tokens = _tokens(firsts, slope)
     follows = sound.any(axis=0) & (tokens <= count + 2)
-    own = np.arange(len(leaders.T))
     follows[own, own], tokens[own, own] = True, 1
     below, above = (leaders < 0).sum(axis=0), (leaders > 0).sum(axis=0)
     cost = (tokens * follows).sum(axis=1) + count + 1 + np.minimum(below, above)
@@ -161,11 +184,11 @@ def _followers(table: Floats, errors: Floats, near: Integers) -> _Followers:
         if which != best:
             value = shortest(float(mean[best, which]), float(off[best, which]))
             found.append((int(near[which]), value, float(slope[best, which])))
-    return _Followers(int(near[best]), found)
+    more = int(((tokens[best] - 1 - (slope[best] < 0)) * follows[best]).sum())
+    return _Followers(int(near[best]), found, more)
 
 
 def _tokens(first: Floats, slope: Floats) -> Integers:
     """Tokens of first + slope * parameter."""
-    product = np.where(np.abs(slope) == 1, 1, 3)
-    tokens = product + np.where(first == 0, slope < 0, 2 + (first < 0))
+    tokens = 3 - 2 * (np.abs(slope) == 1) + np.where(first == 0, slope < 0, 2 + (first < 0))
     return np.asarray(tokens, np.int64)

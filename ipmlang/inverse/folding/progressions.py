@@ -67,11 +67,23 @@ class RepeatTokens:
 
     def _of_run(self, rows: tuple[Row, ...]) -> int:
         """Of rows of one kind."""
+        if not (rows[0].placed and len(rows) >= FEWEST):
+            return sum(map(self._of_one, rows))
         key = tuple(map(id, rows))
         found = self._runs.get(key)
         if found is None:
-            made = _of_one_kind(rows, self.known.given, self.leaving)
+            made = _run(rows, self.known.given, self.leaving)
             found = self._runs[key] = rows, sum(map(element_tokens, made))
+        return found[1]
+
+    def _of_one(self, row: Row) -> int:
+        """Of a row by itself."""
+        if not row.inner and row.name not in self.leaving:
+            return row.tokens
+        found = self._runs.get((id(row),))
+        if found is None:
+            made = _one(row, self.known.given, self.leaving)
+            found = self._runs[id(row),] = (row,), element_tokens(made)
         return found[1]
 
 

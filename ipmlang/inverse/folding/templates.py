@@ -93,22 +93,22 @@ def best_template(
         return None
     table = np.array([[value for row in each for value in row.numbers] for each in stretches])
     tried = fits(symbols, table, given, written - needed)
-    best: tuple[Template, int] | None = None
+    best: tuple[Fit, Parameters, Floats, int] | None = None
     first = 0
     for fit in sorted(tried, key=lambda each: each.least):
         # Of frames that save the same, it is the one of the first row.
         room = written - fit.least - needed - (best is not None and fit.order > first)
         if room < 0:
             continue
-        found = parameters(fit.table, fit.errors, fit.varying, min(few, fit.affordable(room)))
+        found = parameters(fit.table, fit.errors, fit.varying, fit.means(few, room))
         if found is None:
             continue
         calls = fit.table[:, found.used] * found.signs + 0.0
         own = fit.rule_tokens(found)
         saved = written - own - fit.call_tokens(calls) - READ * (symbols.count + len(found.used))
         if saved - (best is not None and fit.order > first) >= needed:
-            best, needed, first = (_template(fit, found, calls, own), saved), saved, fit.order
-    return best
+            best, needed, first = (fit, found, calls, own), saved, fit.order
+    return None if best is None else (_template(*best), needed)
 
 
 def _template(fit: Fit, found: Parameters, calls: Floats, tokens: int) -> Template:
