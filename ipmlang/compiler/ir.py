@@ -85,7 +85,7 @@ SCOPE_OPS = frozenset({
     "report", "phase", "lay", "join", "snap", "snapped",
 })  # fmt: skip
 RESIDUAL_TEXTS = ("css", "color", "fill", "stroke")
-RESIDUAL_COLUMNS = ("x", "y", "z", "angle", "scale", "layer", *RESIDUAL_TEXTS)
+RESIDUAL_COLUMNS = ("of", "x", "y", "z", "angle", "scale", "layer", *RESIDUAL_TEXTS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -223,8 +223,9 @@ class TableData:
 
 @dataclass(frozen=True, slots=True)
 class Residual:
-    """Row k of the table with this number adjusts the k-th drawn terminal, by its columns of
-    RESIDUAL_COLUMNS. `strict`: another number of rows than terminals is an error.
+    """Row k of the table with this number adjusts the k-th drawn terminal, or that with the number
+    in its column `of`, by its columns of RESIDUAL_COLUMNS. `strict`: another number of rows than
+    terminals, or a row for none, is an error.
     """
 
     table: int

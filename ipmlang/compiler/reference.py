@@ -89,8 +89,10 @@ ITEMS = {
     "`scale` multiplies it (a polygon or a path, about its first corner); `color`, `fill`, "
     "`stroke`, `css` "
     'stand in for those of its pen, `""` leaves them; `layer` is its paint order. A column may be '
-    "left out. There must be a row for each terminal; in a run with a seed or attributes of its "
-    "own, a residual that does not fit is left out, which is said.",
+    "left out. There must be a row for each terminal, or a column `of` that says which terminal "
+    "a row adjusts, from 0: then `layer` is its number in the paint order, and terminals without a "
+    "row take the numbers that no row gives. In a run with a seed or attributes of its own, a "
+    "residual that does not fit is left out, which is said.",
     'site S1 = "castle.glb#S1" radius 0.26': "A docking site.",
     "Head(a, b) : guard : 30% --> body": "A rule. The guard, the percentage or `weight w`, and the "
     "parameters may be left out; `else` is taken when it is reached. `A < B(x) > C` looks at what "

@@ -6,6 +6,7 @@ a repeat or a residual that asks its table for anything else, paint say, keeps i
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -66,7 +67,7 @@ def _painted(draft: Draft, table: ast.Table) -> tuple[ast.Table | None, dict[str
     nothing is left.
     """
     if table.reference is None:
-        kept = [k for k, name in enumerate(table.columns) if name not in OFFSETS]
+        kept = _paint(table.columns)
         columns = tuple(table.columns[k] for k in kept)
         rows = tuple(tuple(row[k] for k in kept) for row in table.rows)
         return (replace(table, columns=columns, rows=rows) if kept else None), {}
@@ -74,7 +75,7 @@ def _painted(draft: Draft, table: ast.Table) -> tuple[ast.Table | None, dict[str
 
     file, _, node = table.reference.partition("#")
     found = read_table(draft.folder / file, node)
-    kept = [k for k, name in enumerate(found.columns) if name not in OFFSETS]
+    kept = _paint(found.columns)
     if not kept:
         return None, {}
     rows_kept = [[row[k] for k in kept] for row in found.rows]
@@ -82,6 +83,12 @@ def _painted(draft: Draft, table: ast.Table) -> tuple[ast.Table | None, dict[str
     text = f'<svg xmlns="http://www.w3.org/2000/svg"><metadata>\n{xml}\n</metadata></svg>\n'
     name = f"{table.name.lower()}.parts.svg"
     return replace(table, reference=f"{name}#{node}"), {name: text.encode("utf-8")}
+
+
+def _paint(columns: Sequence[str]) -> list[int]:
+    """Which columns of a residual say more than offsets, and of what."""
+    kept = [k for k, name in enumerate(columns) if name not in OFFSETS]
+    return kept if any(columns[k] != "of" for k in kept) else []
 
 
 def without_row_offsets(draft: Draft) -> Draft:

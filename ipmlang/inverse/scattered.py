@@ -287,13 +287,13 @@ def _believable(
 
 def _gain(alphabet: Alphabet, string: Arrangement, group: _Group) -> float:
     """Tokens saved: the second occurrence's placements, less the rule, what noise and another paint
-    order take.
+    order take. The place of the first part is that of the first occurrence.
     """
     placed = string.placed[group.other]
     turned, scaled = np.abs(placed.angle) > SNAP, np.abs(placed.scale - 1) > SNAP
     numbers = 2 + np.where(scaled, 2, turned)
     before = float((AROUND + NUMBER * numbers).sum())
-    after = HEAD + 2 * (AROUND + 3 * NUMBER)
+    after = HEAD + 2 * AROUND + 3 * NUMBER
     after += RESIDUAL * int((np.abs(group.off) > alphabet.tolerance).sum())
     return before - after - _layers(alphabet, string, group)
 

@@ -1,9 +1,9 @@
 """What no rule explains, terminal by terminal: the table of a `residual` applied to what was drawn.
 
 In go rows in derivation order, whichever executor made them, and the outlines among them; out come
-both with row k moved, turned, scaled and painted as row k of the table says. It happens before
-anything is joined or written, so each segment of a line is a terminal of its own. Nothing is
-derived here.
+both with row k moved, turned, scaled and painted as row k of the table says, or that whose column
+`of` says k. It happens before anything is joined or written, so each segment of a line is a
+terminal of its own. Nothing is derived here.
 """
 
 from __future__ import annotations
@@ -32,21 +32,18 @@ def adjusted(
     program: ir.Program, rows: Rows, polygons: Polygons
 ) -> tuple[Rows, Polygons, tuple[str, ...]]:
     """Rows, polygons and what is to be said about them. Raises IpmError where the table does not
-    have a row for each row, unless a user changed what is drawn: then that is said, and no more.
+    fit what is drawn, unless a user changed that: then it is said, and no more.
     """
     if program.residual is None:
         return rows, polygons, ()
     table = program.tables[program.residual.table]
-    if len(table.rows) != len(rows.scale):
-        note = (
-            f"the residual `{table.name}` has {len(table.rows):,} rows, and {len(rows.scale):,} "
-            "terminals are drawn"
-        )
+    cells = np.array(table.rows, np.float64).reshape(len(table.rows), len(table.columns))
+    columns: Columns = dict(zip(table.columns, cells.T, strict=True))
+    note = _misfit(table.name, columns, len(cells), len(rows.scale))
+    if note is not None:
         if program.residual.strict:
             raise _error(note)
         return rows, polygons, (f"{note}: it is left out",)
-    cells = np.array(table.rows, np.float64).reshape(len(table.rows), len(table.columns))
-    columns = dict(zip(table.columns, cells.T, strict=True))
     if "scale" in columns and not (columns["scale"] > 0).all():
         number = int(np.argmin(columns["scale"] > 0))
         raise fail(
@@ -54,16 +51,57 @@ def adjusted(
             f"row {number + 1:,} of the residual `{table.name}` has the scale "
             f"{columns['scale'][number]:g}, which must be above 0",
         )
+    if "of" in columns:
+        columns = _spread(columns, len(rows.scale))
     moved = _placed(rows, columns)
     return _painted(program, moved, columns), _outlines(moved, polygons, columns), ()
+
+
+def _misfit(name: str, columns: Columns, given: int, drawn: int) -> str | None:
+    """What is wrong with a residual of so many rows, for so many terminals drawn."""
+    if "of" not in columns:
+        if given == drawn:
+            return None
+        return f"the residual `{name}` has {given:,} rows, and {drawn:,} terminals are drawn"
+    wanted = columns["of"]
+    _, first = np.unique(wanted, return_index=True)
+    wrong = (wanted < 0) | (wanted >= drawn) | (wanted != np.floor(wanted))
+    wrong[np.setdiff1d(np.arange(given), first)] = True
+    if not wrong.any():
+        return None
+    row = int(np.argmax(wrong))
+    return (
+        f"row {row + 1:,} of the residual `{name}` is of terminal {wanted[row]:g}, and {drawn:,} "
+        "terminals are drawn, each of which has one row at most"
+    )
+
+
+def _spread(columns: Columns, drawn: int) -> Columns:
+    """The columns with a row for each terminal; those that are not named are as they are, and take
+    the numbers of the paint order that no row gives.
+    """
+    rows = columns["of"].astype(np.int64)
+    made: dict[str, Numbers] = {}
+    for name, column in columns.items():
+        if name in ir.RESIDUAL_TEXTS:
+            full = np.full(drawn, -1.0)
+        elif name == "layer":
+            full = np.zeros(drawn)
+            others = np.setdiff1d(np.arange(drawn), rows)
+            full[others] = np.setdiff1d(np.arange(drawn), column)[: len(others)]
+        else:
+            full = np.full(drawn, 1.0 if name == "scale" else 0.0)
+        full[rows] = column
+        made[name] = full
+    return made
 
 
 def _error(note: str) -> IpmError:
     return fail(
         "residual-rows",
         note,
-        hint="a residual has a row for each terminal, in the order of the derivation; without its "
-        "line the drawing is regular",
+        hint="a residual has a row for each terminal, in the order of the derivation, or a column "
+        "`of` that numbers them from 0; without its line the drawing is regular",
     )
 
 

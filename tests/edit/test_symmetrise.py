@@ -107,3 +107,10 @@ start F(4) F(4)
 def test_once_is_enough(folder: Path, name: str) -> None:
     once = edit.symmetrise(edit.read(folder / f"{name}.ipm"))
     assert edit.symmetrise(once).text == once.text
+
+
+def test_a_residual_of_some_terminals_goes_whole_where_it_says_nothing_of_paint() -> None:
+    text = "ipm 1\ntable T(of, x) = (1, 2)\nresidual T\nstart F f F\n"
+    assert "residual" not in edit.symmetrise(edit.read_text(text)).text
+    painted = text.replace("(of, x) = (1, 2)", "(of, x, layer) = (1, 2, 0)")
+    assert "table T(of, layer) =" in edit.symmetrise(edit.read_text(painted)).text

@@ -45,6 +45,24 @@ def test_rows_move_turn_and_scale_terminals_in_the_order_they_are_drawn() -> Non
         assert found.scale.tolist() == [1, 2, 0.5]
 
 
+def test_rows_of_some_terminals_leave_the_others_as_they_are() -> None:
+    text = table("of, x, layer, color", '2, 0.5, 0, ""', '0, 0, 1, "red"')
+    for scene in both(compiled(text + ROW.replace("n = 3", "n = 5"))):
+        found = scene.instances
+        assert found.position[:, 0].tolist() == [0, 2, 4.5, 6, 8]
+        assert found.layer.tolist() == [1, 2, 0, 3, 4]
+        assert [f"{each:08x}" for each in found.color[:2]] == ["ff0000ff", "00000000"]
+
+
+@pytest.mark.parametrize("of", ["3", "-1", "0.5", "1"])
+def test_a_row_of_no_terminal_or_of_one_that_has_a_row_is_an_error(of: str) -> None:
+    grammar = ipmlang.parse(table("of, x", "1, 2", f"{of}, 2") + ROW)
+    with pytest.raises(ipmlang.IpmError, match=rf"row 2 .* is of terminal {of}, and 3 terminals"):
+        grammar.run()
+    (note,) = grammar.run(attrs={"n": 1}).notes
+    assert note.endswith("it is left out")
+
+
 def test_colours_styles_and_paint_order_stand_in_for_those_of_the_pen() -> None:
     text = table("color, css, fill, layer", '"#0f0", "", "", 2', '"", "a:1", "", 0',
                  '"", "", "red", 1')  # fmt: skip

@@ -18,7 +18,7 @@ from ipmlang.inverse.lattices.models import TURN, Kind, Model, at, fit, spacing
 from ipmlang.inverse.lsystem.frames import Floats
 
 GAP = 3  # holes in a row that growing steps over
-HOLES = 0.34  # share of the nodes of a chain
+HOLES = 0.4  # share of the nodes of a chain
 WHOLE = 6  # members below which a chain has no holes
 GROWTHS = 40
 USUAL, TAIL = 0.7, 1.4  # of the noise allowed: where the usual is less, the largest may be more
