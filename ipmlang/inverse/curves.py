@@ -23,6 +23,7 @@ from ipmlang.inverse.pages import MOST_DECIMALS, Page, folded
 from ipmlang.inverse.placements import places, unplaced
 from ipmlang.inverse.recursion import Recursion
 from ipmlang.inverse.recursion.counted_grammar import counted_rules
+from ipmlang.inverse.recursion.growing import Growing, fold_growing
 from ipmlang.inverse.recursive_file import FILLED, NO_STYLE
 from ipmlang.inverse.stretches import PATH, POLYGON, is_regular, is_turtles
 
@@ -53,7 +54,7 @@ class _Curve:
     """
 
     name: str
-    recursion: Recursion
+    drawn: Recursion | Growing
     braces: str
     style: Style
     numbers: int
@@ -72,9 +73,10 @@ def with_curves(written: Written, page: Page, tried: bool) -> Curved | None:
     on_page = any(isinstance(each, ast.Canvas) for each in written.grammar.items)
     where = places(written.grammar)
     found = [
-        _curve(name, each, page, on_page, where.get(name) if written.uses.get(name) == 1 else None)
+        _curve(name, each, page, on_page, where.get(name), tried)
+        if written.uses.get(name, 0) == 1
+        else _curve(name, each, page, on_page, None, False)
         for name, each in written.assets().items()
-        if not tried or written.uses.get(name, 0) != 1
     ]
     curves = _of_one_rounding([each for each in found if each is not None])
     angle = _angle(written.grammar, curves)
@@ -100,17 +102,21 @@ def _of_one_rounding(curves: list[_Curve]) -> list[_Curve]:
 
 
 def _curve(
-    name: str, element: DrawnElement, page: Page, on_page: bool, place: Frames | None
+    name: str,
+    element: DrawnElement,
+    page: Page,
+    on_page: bool,
+    place: Frames | None,
+    tried: bool,
 ) -> _Curve | None:
     """What a turtle does to draw an asset, y up, if it is one outline of many lines, or lines with
-    gaps between them. place: (1,) where it stands on the page, None where at several.
+    gaps between them. place: (1,) where it stands on the page, None where at several; tried: it is
+    no recursion.
     """
     outline, style = element.outline, element.style
     if outline is None or len(outline.kind) < FEWEST or not is_turtles(outline, style):
         return None
     start, end = outline.coords[:, :2, 0].T - 1j * outline.coords[:, :2, 1].T
-    if not is_regular(start, end):
-        return None
     there = None if place is None else _on_page(np.stack([start, end]), place)
     placed = there is not None and page.decimals(there.ravel()) is not None
     if there is not None and placed:
@@ -118,11 +124,26 @@ def _curve(
     else:
         page = replace(page, bounded=False)
     closed, single = bool(outline.closed[0]), len(outline.closed) == 1
-    recursion, decimals = folded(page, start, end, closed=closed, repeats=single)
-    if recursion is None or recursion.alternatives:
+    drawn, decimals = _drawn(page, start, end, closed, single, tried)
+    if drawn is None:
         return None
     braces, numbers = POLYGON if closed else PATH, 2 * (len(start) + 1)
-    return _Curve(name, recursion, braces, style, numbers, on_page, placed, decimals)
+    return _Curve(name, drawn, braces, style, numbers, on_page, placed, decimals)
+
+
+def _drawn(
+    page: Page, start: Complexes, end: Complexes, closed: bool, single: bool, tried: bool
+) -> tuple[Recursion | Growing | None, int | None]:
+    """What draws segments of one outline, of `single` or many parts, and its decimals."""
+    if single and not closed:
+        for decimals in dict.fromkeys([None, page.decimals(np.concatenate([start, end]))]):
+            growing = fold_growing(start, end, tolerance=page.exact, decimals=decimals)
+            if growing is not None:
+                return growing, decimals
+    if tried or not is_regular(start, end):
+        return None, None
+    recursion, decimals = folded(page, start, end, closed=closed, repeats=single)
+    return (None, None) if recursion is None or recursion.alternatives else (recursion, decimals)
 
 
 def _on_page(points: Complexes, place: Frames) -> Complexes:
@@ -140,7 +161,8 @@ def _angle(grammar: ast.Grammar, curves: list[_Curve]) -> float:
     """The angle of the turtle, where the file has none yet."""
     if any(isinstance(each, ast.Turtle) for each in grammar.items):
         return 0.0
-    return next((each.recursion.angle for each in curves), 0.0)
+    known = (each.drawn for each in curves)
+    return next((each.angle for each in known if isinstance(each, Recursion)), 0.0)
 
 
 def _taken(grammar: ast.Grammar) -> set[str]:
@@ -160,18 +182,28 @@ def _taken(grammar: ast.Grammar) -> set[str]:
 
 def _rules(curve: _Curve, angle: float, taken: set[str]) -> tuple[ast.Rule, ...]:
     """`curve --> [pen at(…) path { Curve(5) }]`, and the rules of what stands in it."""
+    match curve.drawn:
+        case Growing() as growing:
+            rules: tuple[ast.Rule, ...] = ()
+            way, body = growing.way(), growing.body()
+        case Recursion() as recursion:
+            names = _names(curve.name, recursion, taken)
+            rules, way, body = counted_rules(recursion, names, angle)
+    drawn = ast.Block(curve.braces, (), (ast.Part(None, body),))
+    first = ast.Rule(ast.Head(curve.name), (ast.Bracket((*_pen(curve), *way, drawn)),))
+    return (first, *rules)
+
+
+def _names(name: str, recursion: Recursion, taken: set[str]) -> dict[str, str]:
+    """Names of the rules of a curve by those of its recursion's symbols."""
     names = {}
-    for number, symbol in enumerate(curve.recursion.rules):
-        wish = capital(curve.name) + ("" if number == 0 else chr(ord("A") + number))
+    for number, symbol in enumerate(recursion.rules):
+        wish = capital(name) + ("" if number == 0 else chr(ord("A") + number))
         while wish in taken:
             wish += "_"
         taken.add(wish)
         names[symbol] = wish
-    rules, way, body = counted_rules(curve.recursion, names, angle)
-    pen = _pen(curve)
-    drawn = ast.Block(curve.braces, (), (ast.Part(None, body),))
-    first = ast.Rule(ast.Head(curve.name), (ast.Bracket((*pen, *way, drawn)),))
-    return (first, *rules)
+    return names
 
 
 def _pen(curve: _Curve) -> tuple[ast.Element, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -158,6 +159,50 @@ def test_a_bracketed_plant_beside_a_curve_are_both_rules(decimals: int, tmp_path
     assert found.text.count("asset") == 1 and "asset rect in" in found.text
     assert (f"decimals {decimals}" in found.text) == (decimals < 4)
     assert found.report.tokens < 350
+
+
+GROWING = {
+    "square spiral": (60, 90.0, lambda k: 4.0 * (k + 1), "{ F(4 + 4 * i) +(90) }"),
+    "in pairs": (
+        40,
+        90.0,
+        lambda k: 8.0 * (k // 2 + 1),
+        "{ F(8 + 8 * i) +(90) F(8 + 8 * i) +(90) }",
+    ),
+    "triangles": (50, 121.0, lambda k: 4.0 + 5.0 * k, "{ F(4 + 5 * i) +(121) }"),
+    "by a ratio": (60, -30.0, lambda k: 4 * 1.06**k, "{ F(4) -(30) *(1.06) }"),
+    "shrinking": (40, 75.0, lambda k: 90 * 0.95**k, "{ F(90) +(75) *(0.95) }"),
+}
+
+
+def walked(count: int, turn: float, length: Callable[[int], float]) -> Complexes:
+    """Corners (count + 1,) of a line that turns by so many degrees after each segment, y up."""
+    steps = [length(k) * np.exp(1j * np.deg2rad(turn * k)) for k in range(count)]
+    return np.asarray(SIZE / 2 * (1 + 1j) + np.concatenate([[0j], np.cumsum(steps)]))
+
+
+@pytest.mark.parametrize("decimals", [3, 9])
+@pytest.mark.parametrize("name", GROWING)
+def test_lines_that_grow_are_a_repeat_with_growth(name: str, decimals: int, tmp_path: Path) -> None:
+    count, turn, length, said = GROWING[name]
+    points = walked(count, turn, length)
+    told = " ".join(f"{z.real:.{decimals}f},{SIZE - z.imag:.{decimals}f}" for z in points.tolist())
+    source = tmp_path / "drawn.svg"
+    source.write_text(page(f'<polyline points="{told}" fill="none" stroke="#000"/>'))
+    found = given_back(source, tmp_path)
+    assert f"path {{ repeat(i < {count // said.count('F')}) {said} }}" in " ".join(
+        found.text.split()
+    ), found.text
+    assert found.report.tokens < 70
+
+
+def test_lines_that_hardly_grow_are_none_of_these(tmp_path: Path) -> None:
+    lengths = np.random.default_rng(1).uniform(0.9, 1.1, 60).tolist()
+    points = walked(60, 90.0, lambda k: 4.0 * (k + 1) * lengths[k])
+    told = " ".join(f"{z.real:.3f},{SIZE - z.imag:.3f}" for z in points.tolist())
+    source = tmp_path / "drawn.svg"
+    source.write_text(page(f'<polyline points="{told}" fill="none" stroke="#000"/>'))
+    assert "path {" not in given_back(source, tmp_path).text
 
 
 def gear(teeth: int, decimals: int) -> list[tuple[float, float]]:
