@@ -18,6 +18,7 @@ from ipmlang.inverse.lsystem.curves import Booleans, Curves, Integers, evaluate
 from ipmlang.inverse.lsystem.ellipses import find_ellipses
 from ipmlang.inverse.lsystem.frames import Complexes, Floats
 
+FINE = 1e-7  # of the diagonal: distances that are as good as none
 QUARTERS = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
 ALONG = 32  # points of a segment whose distance from the other curve is measured
 REFINED_AT_MOST = 500  # pairs that correspond but differ, for which a lower distance is sought,
@@ -28,8 +29,8 @@ def pair_distances(a: Curves, b: Curves, fixed: Booleans, unit: float, near: flo
     """(n,) largest distance between element i of a and element i of b.
 
     fixed: (n,) start and direction are visible, so they must agree; unit: the drawing's diagonal;
-    distances below 1e-9 of it are not worked on further; near: units by which pairs may lie apart
-    and still be looked at closely. Infinite where only one of a pair is empty.
+    distances that are no more of it than `FINE` are not worked on further; near: units by which
+    pairs may lie apart and still be looked at closely. Infinite where only one of a pair is empty.
     """
     count = len(a.counts)
     result = np.full(count, np.inf)
@@ -38,7 +39,7 @@ def pair_distances(a: Curves, b: Curves, fixed: Booleans, unit: float, near: flo
     alike[alike] = _same_kinds(a, b, np.flatnonzero(alike))
     rows = np.flatnonzero(alike)
     result[rows] = _at_equal_parameters(a, b, rows)
-    fine = 1e-9 * unit
+    fine = FINE * unit
     _improve_ellipses(result, a, b, fixed, unit)
     rows = np.flatnonzero(alike & (result > fine) & ~fixed & (a.subpaths == 1) & (b.subpaths == 1))
     _improve_restarted(result, a, b, rows)
@@ -75,7 +76,7 @@ def _at_equal_parameters(a: Curves, b: Curves, rows: Integers) -> Floats:
 
 def _improve_ellipses(result: Floats, a: Curves, b: Curves, fixed: Booleans, unit: float) -> None:
     """Full ellipses, however they are cut into arcs; what they lack of full ones is added."""
-    unsure = ~fixed & (result > 1e-9 * unit)
+    unsure = ~fixed & (result > FINE * unit)
     if not unsure.any():
         return
     left, right = find_ellipses(a, 1e-7 * unit), find_ellipses(b, 1e-7 * unit)

@@ -177,20 +177,33 @@ def _parts(copies: Sequence[_Copy]) -> list[tuple[int, int, Extra | None]]:
     """Stretches of a run, each with its kind of table, None for placements as they are: the
     shortest way to say all, step by step.
     """
+    if not copies:
+        return []
     ways: tuple[Extra | None, ...] = (None, *TABLES)
-    best = [0.0, *(float(HEAD + LEAST) for _ in TABLES)]
+    costs = _costs(copies)
+    opened = HEAD + LEAST  # tokens of a table's beginning
+    best = [cost + opened * (way is not None) for way, cost in zip(ways, next(costs), strict=True)]
     came: list[list[int]] = []
-    for number, copy in enumerate(copies):
-        before = copies[number - 1] if number else None
-        own = [_cost(copy, before, way) for way in ways]
-        if number:
-            least = min(range(len(ways)), key=lambda way: best[way])
-            enter = [0, *(HEAD + LEAST for _ in TABLES)]
-            onward = [min(best[way], best[least] + enter[way]) for way in range(len(ways))]
-            came.append([way if best[way] <= onward[way] else least for way in range(len(ways))])
-            best = onward
-        best = [cost + more for cost, more in zip(best, own, strict=True)]
-    return _stretches(best, came, ways) if copies else []
+    for own in costs:
+        lowest = min(best)
+        least, fresh = best.index(lowest), lowest + opened
+        came.append([way if cost <= fresh else least for way, cost in enumerate(best)])
+        came[-1][0] = least if best[0] > lowest else 0
+        onward = [lowest, *(min(cost, fresh) for cost in best[1:])]
+        best = [cost + more for cost, more in zip(onward, own, strict=True)]
+    return _stretches(best, came, ways)
+
+
+def _costs(copies: Sequence[_Copy]) -> Iterator[list[float]]:
+    """What each copy takes by itself, and as a row of each kind of table."""
+    known: dict[tuple[bool, bool, bool], list[float]] = {}
+    before: _Copy | None = None
+    for copy in copies:
+        key, signs = (copy.mirrored, copy.at[2] == 0, copy.at[3] == 1), _signs(copy.at)
+        if key not in known:
+            known[key] = [_cost(copy, None, way) - signs for way in TABLES]
+        yield [_cost(copy, before, None), *(cost + signs for cost in known[key])]
+        before = copy
 
 
 def _cost(copy: _Copy, before: _Copy | None, way: Extra | None) -> float:
