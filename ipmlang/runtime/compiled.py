@@ -6,7 +6,7 @@ In go the setting of a run, out come functions by production or symbol. Nothing 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TypeAlias, cast
 
 from ipmlang.compiler import ir
@@ -124,7 +124,7 @@ class Compiled:
             write(writer)
             code = compiled(*self._text(writer, parameters, single))
             KEPT.keep(content, numbered.size, code)
-        return cast("Body", bound(code, self._space(single), numbered.space()))
+        return cast("Body", bound(code, *self._around(single), numbered.space()))
 
     def _text(
         self, writer: Writer, parameters: int, single: bool
@@ -134,8 +134,13 @@ class Compiled:
         result = "(" + "".join(f"{slot}, " for slot in writer.slots) + ")"
         return writer.source.lines, [*head, *self._arguments(parameters)], result
 
+    def _around(self, single: bool) -> tuple[Mapping[str, object], ...]:
+        return self._spaces[single], {"data": self._setting.data}
+
     def _space(self, single: bool) -> dict[str, object]:
-        return {**self._spaces[single], "data": self._setting.data}
+        """The names that all functions of a run may use."""
+        spaces = self._around(single)
+        return {**spaces[0], **spaces[1]}
 
     # ------------------------------------------------------------------------- choices
 

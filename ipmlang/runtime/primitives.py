@@ -70,7 +70,9 @@ def function(
 
 def bound(code: CodeType, *spaces: Mapping[str, object]) -> Callable[..., object]:
     """A function of its code, with the names of its own that it may use."""
-    own = {name: each for space in spaces for name, each in space.items()}
+    own: dict[str, object] = {}
+    for space in spaces:
+        own.update(space)
     exec(code, own)
     made = own["body"]
     assert callable(made)

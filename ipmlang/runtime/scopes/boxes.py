@@ -42,6 +42,8 @@ FLAT_FACE = {0: 3, 1: 2, 2: 1}  # the face that a rectangle across an axis is
 
 def full(value: Column, count: int) -> Floats:
     """A column with one number a row."""
+    if isinstance(value, np.ndarray) and value.shape == (count,) and value.dtype == np.float64:
+        return value
     return np.broadcast_to(np.asarray(value, np.float64), (count,))
 
 

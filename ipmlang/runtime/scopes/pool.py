@@ -31,6 +31,7 @@ from ipmlang.runtime.scopes.tables import distinct
 
 NOTHING, BOX = 0, 1  # numbers that are always the same: no geometry, and all of the scope
 SNAP = 1e-9  # of a geometry's size: extents below are none, corners this near are the scope's
+FEW = 8  # numbers that are quicker looked up one by one
 
 Columns = tuple[NDArray[np.bool_], NDArray[np.int32], NDArray[np.bool_]]
 Load = Callable[[int], Solid]
@@ -65,6 +66,10 @@ class Pool:
 
     def are_flat(self, numbers: float | Floats) -> NDArray[np.bool_]:
         """Which geometries are polygons across z that do not fill their scope, () or (n,)."""
+        if np.size(numbers) <= FEW:
+            own = np.ravel(numbers).tolist()
+            few = np.array([self._is_flat(int(number)) for number in own], np.bool_)
+            return few.reshape(np.shape(numbers))
         kinds, place = distinct(np.asarray(numbers))
         flat = np.array([self._is_flat(int(number)) for number in kinds.tolist()], np.bool_)
         return flat[place].reshape(np.shape(numbers))

@@ -59,7 +59,7 @@ class Scoping(Copying):
 
     def some(self, geometry: Column, count: int, shown: Rows) -> Rows:
         """The rows that have any geometry."""
-        if np.all(geometry):
+        if geometry if isinstance(geometry, float) else np.all(geometry):
             return shown
         there = full(geometry, count) != NOTHING
         return _narrowed(shown, there)
@@ -76,7 +76,7 @@ class Scoping(Copying):
 
     def extent(self, value: Column) -> Column:
         """A size must be 0 or more."""
-        if not np.all(np.asarray(value) >= 0):
+        if not (value >= 0 if isinstance(value, float) else np.all(np.asarray(value) >= 0)):
             raise self.counted.error("negative-size", "`size` needs extents of 0 or more")
         return value
 
