@@ -61,12 +61,14 @@ class Found:
 @dataclass(slots=True, eq=False)
 class Way:
     """A way to see the drawing, runs under effects as symbols. left: the symbols and the string
-    that a search without lattices left, once there was one; found: what it made of them.
+    that a search without lattices left, once there was one; found: what it made of them; groups:
+    the alphabet and the string with the groups in any order among them, once these were looked for.
     """
 
     instanced: Instanced
     left: tuple[Alphabet, Arrangement, Journal] | None = None
     found: Found | None = None
+    groups: tuple[Alphabet, Arrangement, Scattered] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -125,8 +127,7 @@ def searched_regular(
     if any(each.lattice is not None for each in instanced.alphabet.definitions):
         made.append(_printed(goal, instanced, string, journal))
     if scattered and len(string) <= MOST_SCATTERED and not goal.options.paper:
-        instanced = _copied(instanced)
-        string, groups = with_scattered(instanced.alphabet, string)
+        instanced, string, groups = _with_groups(way, instanced, string)
         if groups:
             made.append(_printed(goal, instanced, string, journal, groups))
     if goal.options.symmetrize:  # for what is regular, not what is short
@@ -144,9 +145,24 @@ def _rival(way: Way, scattered: bool) -> Said | None:
     count, weight = len(way.instanced.seen.terminal), way.found.written.weight
     needed = layers_weight(count) - ROOM
     if scattered:
-        _, groups = with_scattered(Alphabet(alphabet.tolerance, list(alphabet.definitions)), string)
+        known = Alphabet(alphabet.tolerance, list(alphabet.definitions))
+        grouped_string, groups = with_scattered(known, string)
+        way.groups = known, grouped_string, groups
         needed = -1.0 if groups and not groups.layered else needed - groups.spared
     return said(alphabet, string, count, weight, needed)
+
+
+def _with_groups(
+    way: Way, instanced: Instanced, string: Arrangement
+) -> tuple[Instanced, Arrangement, Scattered]:
+    """What a search left with groups in any order, which are known where it left what one without
+    lattices did.
+    """
+    if way.left is not None and way.groups is not None and string is way.left[1]:
+        alphabet, string, groups = way.groups
+        return replace(instanced, alphabet=alphabet), string, groups
+    instanced = _copied(instanced)
+    return instanced, *with_scattered(instanced.alphabet, string)
 
 
 def _with_lattices(

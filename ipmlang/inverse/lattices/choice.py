@@ -16,7 +16,7 @@ from ipmlang.inverse.lattices.build import Lattice
 from ipmlang.inverse.lattices.find import find_lattices
 from ipmlang.inverse.lattices.formula import LatticeRule, lattice_rule
 from ipmlang.inverse.lattices.spared import Said
-from ipmlang.inverse.lattices.weighing import RULE, Weighing, layering, runs
+from ipmlang.inverse.lattices.weighing import LAYER, RULE, Weighing, layering, runs
 from ipmlang.inverse.lsystem.frames import compose, inverse
 from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers, joined
 
@@ -40,6 +40,8 @@ def with_lattices(
     lattices, of which they must spare more than they take.
     """
     chosen, left = choose_lattices(alphabet, string, scattered, known, rival)
+    if not chosen:
+        return string
     made = [left]
     for rule in chosen:
         lead = rule.formula.lead
@@ -67,39 +69,61 @@ def choose_lattices(
     apart, together = given.limits()
     ways = [(apart, True, rival.needed if rival else 0.0)] if scattered else []
     ways.append((together, False, rival.least if rival else 0.0))
-    found: list[tuple[LatticeRule, float]] = []
+    found: list[LatticeRule] = []
     for most, anyhow, needed in ways:
-        if sum(max(0.0, saved - RULE) for saved in most.values()) > needed:
-            found = list(_chosen(given, most, anyhow, known))
-        if sum(gain for _, gain in found) > needed:
+        found = _chosen(given, most, anyhow, known, needed)
+        if found:
             break
-        found = []
     left = np.ones(len(string), np.bool_)
-    for rule, _ in found:
+    for rule in found:
         left[rule.rows] = False
-    return [rule for rule, _ in found], string[left]
+    return found, string[left]
 
 
 def _chosen(
-    given: Weighing, most: Mapping[int, float], scattered: bool, known: Memory
+    given: Weighing, most: Mapping[int, float], scattered: bool, known: Memory, needed: float
+) -> list[LatticeRule]:
+    """Lattices that pay, none where all of them save no more than is needed; most: what those of
+    each symbol could save.
+    """
+    hope = {each: saved - RULE for each, saved in most.items() if saved > RULE}
+    if sum(hope.values()) <= needed:
+        return []
+    if scattered:  # gains are without what the paint order takes, limits are with it
+        symbols, often = np.unique(given.string.symbol, return_counts=True)
+        sizes = dict(zip(symbols.tolist(), often.tolist(), strict=True))
+        hope = {each: saved + LAYER * sizes[each] for each, saved in hope.items()}
+    made: dict[int, list[LatticeRule]] = {}
+    gained, left = 0.0, sum(hope.values())
+    for symbol in sorted(hope, key=lambda each: -hope[each]):
+        if gained + left <= needed:
+            return []
+        rules = list(_in_turn(given, symbol, scattered, known))
+        gained, left = gained + sum(gain for _, gain in rules), left - hope[symbol]
+        made[symbol] = [rule for rule, _ in rules]
+    return [rule for symbol in sorted(made) for rule in made[symbol]] if gained > needed else []
+
+
+def _in_turn(
+    given: Weighing, symbol: int, scattered: bool, known: Memory
 ) -> Iterator[tuple[LatticeRule, float]]:
-    """Lattices that pay, and what each saves; most: what those of each symbol could."""
+    """Lattices of one symbol that pay, best first, and what each saves; what these leave is looked
+    at again.
+    """
     string = given.string
-    left = np.ones(len(string), np.bool_)
-    plain = string.wrap == string.wrap[0]
+    left = (string.symbol == symbol) & (string.wrap == string.wrap[0])
     if not scattered:  # what is not painted one after the other need not be looked at
-        plain &= runs(string) >= LEAST
-    for symbol in [each for each, saved in most.items() if saved > RULE]:
-        for _ in range(ROUNDS):
-            rows = np.flatnonzero((string.symbol == symbol) & left & plain)
-            if given.placed_tokens(rows) <= RULE:
-                break
-            found = _lattices(given.alphabet, string, symbol, rows, known)
-            made = list(_of_symbol(given, symbol, rows, found, scattered))
-            if not made:
-                break
-            yield from made
-            left[np.concatenate([rule.rows for rule, _ in made])] = False
+        left &= runs(string) >= LEAST
+    for _ in range(ROUNDS):
+        rows = np.flatnonzero(left)
+        if given.placed_tokens(rows) <= RULE:
+            break
+        found = _lattices(given.alphabet, string, symbol, rows, known)
+        made = list(_of_symbol(given, symbol, rows, found, scattered))
+        if not made:
+            break
+        yield from made
+        left[np.concatenate([rule.rows for rule, _ in made])] = False
 
 
 def _lattices(
