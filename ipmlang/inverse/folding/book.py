@@ -9,12 +9,15 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
+from typing import TypeAlias
 
 from ipmlang.compiler import ast
 from ipmlang.inverse.folding.fits import HEAD, Rounding
 from ipmlang.inverse.folding.known_rows import KnownRows, Path, Rows
 from ipmlang.inverse.folding.rows import Row, element_tokens, modules, rows_of
 from ipmlang.inverse.folding.templates import Template
+
+Place: TypeAlias = "tuple[str, Path, int]"  # of a row: its rule, the path there, its number
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,17 +29,38 @@ class Stretch:
     begin: int
     count: int
 
-    def meets(self, other: Stretch) -> bool:
-        """Whether a row is in both, or in a row of the other."""
-        if self.rule != other.rule:
-            return False
-        one, two = sorted((self, other), key=lambda each: len(each.path))
-        depth = len(one.path)
-        if one.path != two.path[:depth]:
-            return False
-        inner = two.path[depth:]
-        begin, end = (inner[0], inner[0] + 1) if inner else (two.begin, two.begin + two.count)
-        return begin < one.begin + one.count and one.begin < end
+    @property
+    def rows(self) -> list[Place]:
+        """Where its rows are."""
+        return [(self.rule, self.path, self.begin + k) for k in range(self.count)]
+
+    @property
+    def brackets(self) -> list[Place]:
+        """Where the brackets are that it stands in."""
+        return [(self.rule, self.path[:k], inner) for k, inner in enumerate(self.path)]
+
+
+@dataclass(slots=True, eq=False)
+class Covered:
+    """Rows that are in some stretches, and the brackets that these stand in."""
+
+    rows: set[Place] = field(default_factory=set)
+    brackets: set[Place] = field(default_factory=set)
+
+    def add(self, stretches: Sequence[Stretch]) -> None:
+        """Cover these, too."""
+        for each in stretches:
+            self.rows.update(each.rows)
+            self.brackets.update(each.brackets)
+
+    def meets(self, stretches: Sequence[Stretch]) -> bool:
+        """Whether a row of some stretches is covered, or stands in or around one that is."""
+        return any(
+            not self.rows.isdisjoint(each.rows)
+            or not self.rows.isdisjoint(each.brackets)
+            or not self.brackets.isdisjoint(each.rows)
+            for each in stretches
+        )
 
 
 @dataclass(frozen=True, slots=True)

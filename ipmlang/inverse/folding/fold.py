@@ -15,7 +15,7 @@ from typing import TypeAlias
 import numpy as np
 
 from ipmlang.compiler import ast
-from ipmlang.inverse.folding.book import Book, Stretch, read_book
+from ipmlang.inverse.folding.book import Book, Covered, Stretch, read_book
 from ipmlang.inverse.folding.candidates import FORM, KIND, Alike, candidates
 from ipmlang.inverse.folding.fits import HEAD, Rounding
 from ipmlang.inverse.folding.printing import PrintedTokens, printed, printed_tokens
@@ -155,26 +155,71 @@ def _best(
     book: Book, given: Rounding, known: Known, alike: Sequence[Alike]
 ) -> list[tuple[list[Stretch], Template]]:
     """The stretches that save most as one rule, and others that save hardly less elsewhere."""
-    found: list[tuple[int, list[Stretch], Template]] = []
-    most = LEAST / ALIKE
-    tried = [each for same in alike for each in candidates(book, TRIED, same)]
-    for bound, stretches in sorted(tried, key=lambda each: -each[0]):
-        if bound < most * ALIKE:
-            break
-        needed = max(LEAST, math.ceil(most * ALIKE))
+
+    def fitted(stretches: list[Stretch], needed: int) -> tuple[Template, int] | None:
         rows = [book.rows_at(each) for each in stretches]
-        fitted = _fitted(rows, given, known, needed, book.leaving)
-        if fitted is not None:
-            found.append((fitted[1], stretches, fitted[0]))
-            most = max(most, fitted[1])
-    found.sort(key=lambda each: -each[0])
+        return _fitted(rows, given, known, needed, book.leaving)
+
+    found: list[_Saving] = []
+    best, waiting = _Best(), list[tuple[int, list[Stretch], _Best]]()
+    tried = [each for same in alike for each in candidates(book, TRIED, same)]
+    tried.sort(key=lambda each: -each[0])
+    for order, (bound, stretches) in enumerate(tried):
+        if bound < best.most * ALIKE:
+            break
+        # What meets the best one is out, unless it is better itself, or something else is.
+        meets = best.covered.meets(stretches)
+        made = fitted(stretches, max(best.needed, best.saved if meets else 0))
+        if made is not None:
+            found.append(_Saving(-made[1], order, stretches, made[0]))
+            best = best if made[1] <= best.saved else _Best(made[1], stretches)
+        elif meets:
+            waiting.append((order, stretches, best))
+    for order, stretches, former in waiting:
+        made = fitted(stretches, best.needed) if former is not best else None
+        if made is not None:
+            found.append(_Saving(-made[1], order, stretches, made[0]))
+    return _apart(found, best)
+
+
+@dataclass(frozen=True, order=True, slots=True)
+class _Saving:
+    """Tokens that some stretches cost as one rule, less than nothing; order: in which they were
+    tried.
+    """
+
+    cost: int
+    order: int
+    stretches: list[Stretch] = field(compare=False)
+    template: Template = field(compare=False)
+
+
+class _Best:
+    """What saves most so far."""
+
+    def __init__(self, saved: int = 0, stretches: Sequence[Stretch] = ()) -> None:
+        self.saved, self.covered = saved, Covered()
+        self.covered.add(stretches)
+
+    @property
+    def most(self) -> float:
+        """What it saves, or is thought to at least."""
+        return max(self.saved, LEAST / ALIKE)
+
+    @property
+    def needed(self) -> int:
+        """Tokens that something else must save."""
+        return max(LEAST, math.ceil(self.most * ALIKE))
+
+
+def _apart(found: list[_Saving], best: _Best) -> list[tuple[list[Stretch], Template]]:
+    """Those that save enough and do not meet one that saves more."""
     chosen: list[tuple[list[Stretch], Template]] = []
-    taken: list[Stretch] = []
-    for saved, stretches, template in found:
-        apart = not any(each.meets(other) for each in stretches for other in taken)
-        if saved >= most * ALIKE and apart:
-            chosen.append((stretches, template))
-            taken += stretches
+    covered = Covered()
+    for each in sorted(found):
+        if -each.cost >= best.most * ALIKE and not covered.meets(each.stretches):
+            chosen.append((each.stretches, each.template))
+            covered.add(each.stretches)
     return chosen
 
 
