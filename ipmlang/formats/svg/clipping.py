@@ -7,9 +7,11 @@ viewport is kept or dropped whole, since copies of one symbol should stay alike.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ipmlang.formats.drawing import Floats, Outline, Style
 from ipmlang.formats.svg.bounds import (
@@ -37,7 +39,7 @@ def needless_clips(
         for wrap in one.wraps:
             if wrap.viewport is not None:
                 held.setdefault(wrap, []).append(index)
-    tips = _Tips(placed, outlines)
+    tips = _tips(placed, outlines, {index for indices in held.values() for index in indices})
     needless: set[tuple[Wrap, int]] = set()
     for wrap, indices in held.items():
         inside = _within(wrap, indices, placed, outlines, tips)
@@ -71,12 +73,12 @@ def _within(
     pens = np.array([pen_extent(placed[index].style, linear) for index, _ in shapes])
     low = np.minimum.reduceat(boxes[:, :2], begins) - pens
     high = np.maximum.reduceat(boxes[:, 2:], begins) + pens
-    for row, (index, _) in enumerate(shapes):
-        points = tips.of(index)
-        if len(points):
-            mapped = points @ linear.T + np.array(back[4:])
-            low[row] = np.minimum(low[row], mapped.min(axis=0))
-            high[row] = np.maximum(high[row], mapped.max(axis=0))
+    row_of = np.full(len(placed), -1)
+    row_of[[index for index, _ in shapes]] = np.arange(len(shapes))
+    here = row_of[tips.element] >= 0
+    mapped = tips.points[here] @ linear.T + np.array(back[4:])
+    np.minimum.at(low, row_of[tips.element[here]], mapped)
+    np.maximum.at(high, row_of[tips.element[here]], mapped)
     x, y, width, height = wrap.viewport
     slack = _SLACK * (abs(x) + abs(y) + width + height)
     fits = (low >= np.array([x, y]) - slack).all(axis=1)
@@ -113,28 +115,52 @@ def _pen_space(style: Style) -> Floats:
     return np.array([[a, c], [b, d]])
 
 
+@dataclass(frozen=True, slots=True, eq=False)
 class _Tips:
-    """The tips of mitred corners, worked out once for each element."""
+    """The tips of mitred corners. points: (k, 2) in the world; element: (k,) whose they are."""
 
-    def __init__(self, placed: Sequence[Placed], outlines: Sequence[Outline | None]) -> None:
-        self._placed = placed
-        self._outlines = outlines
-        self._known: dict[int, Floats] = {}
-
-    def of(self, index: int) -> Floats:
-        """(k, 2) tips of an element, in the world."""
-        if index not in self._known:
-            outline = self._outlines[index]
-            style = self._placed[index].style
-            self._known[index] = np.zeros((0, 2)) if outline is None else mitre_tips(outline, style)
-        return self._known[index]
+    points: Floats
+    element: NDArray[np.intp]
 
 
-def mitre_tips(outline: Outline, style: Style) -> Floats:
-    """(k, 2) the outer points of the corners of a stroke, none where they are rounded or cut."""
+def _tips(
+    placed: Sequence[Placed], outlines: Sequence[Outline | None], indices: Iterable[int]
+) -> _Tips:
+    """The tips of some elements, those of one style together."""
+    alike: dict[Style, list[tuple[int, Outline]]] = {}
+    for index in sorted(indices):
+        outline = outlines[index]
+        if outline is not None:
+            alike.setdefault(placed[index].style, []).append((index, outline))
+    points, elements = [np.zeros((0, 2))], [np.zeros(0, np.intp)]
+    for style, drawn in alike.items():
+        found, segment = mitre_tips(_in_one([outline for _, outline in drawn]), style)
+        owner = np.repeat([index for index, _ in drawn], [len(each.kind) for _, each in drawn])
+        points.append(found)
+        elements.append(owner[segment])
+    return _Tips(np.concatenate(points), np.concatenate(elements))
+
+
+def _in_one(outlines: Sequence[Outline]) -> Outline:
+    """The subpaths of all outlines as those of one."""
+    ends = np.cumsum([len(each.kind) for each in outlines])
+    begins = [0, *ends[:-1].tolist()]
+    starts = [each.starts[:-1] + begin for each, begin in zip(outlines, begins, strict=True)]
+    return Outline(
+        np.concatenate([each.kind for each in outlines]),
+        np.concatenate([each.coords for each in outlines]),
+        np.append(np.concatenate(starts), ends[-1]).astype(np.int32),
+        np.concatenate([each.closed for each in outlines]),
+    )
+
+
+def mitre_tips(outline: Outline, style: Style) -> tuple[Floats, NDArray[np.intp]]:
+    """(k, 2) the outer points of the corners of a stroke, none where they are rounded or cut, and
+    (k,) the segment that ends in each.
+    """
     more = dict(style.more)
     if style.stroke == "none" or more.get("stroke-linejoin", "miter") != "miter":
-        return np.zeros((0, 2))
+        return np.zeros((0, 2)), np.zeros(0, np.intp)
     space = _pen_space(style)
     into = np.linalg.inv(space)
     matrix = np.array([into[0, 0], into[1, 0], into[0, 1], into[1, 1], 0.0, 0.0])
@@ -155,5 +181,4 @@ def mitre_tips(outline: Outline, style: Style) -> Floats:
     pointed = joined & (bends > 1e-6) & (half_turn * limit >= 1)
     way = outward[pointed] / bends[pointed, None]
     tips = last[pointed] + style.stroke_width / 2 / half_turn[pointed, None] * way
-    found: Floats = tips @ space.T
-    return found
+    return np.asarray(tips @ space.T), np.flatnonzero(pointed)

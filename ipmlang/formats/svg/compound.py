@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Set
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,12 +85,12 @@ def _subpath_boxes(outline: Outline) -> Floats:
 
 
 def _with_tips(boxes: Floats, outline: Outline, style: Style) -> Floats:
-    """The boxes of subpaths grown by the mitred corners of their strokes."""
-    for row, (begin, end) in enumerate(pairwise(outline.starts.tolist())):
-        if end - begin > 1:
-            tips = mitre_tips(_slice(outline, row), style)
-            boxes[row, :2] = np.minimum(boxes[row, :2], tips.min(axis=0, initial=np.inf))
-            boxes[row, 2:] = np.maximum(boxes[row, 2:], tips.max(axis=0, initial=-np.inf))
+    """The boxes of subpaths grown by the mitred corners of their strokes; a line has none."""
+    tips, segment = mitre_tips(outline, style)
+    subpath = np.searchsorted(outline.starts, segment, side="right") - 1
+    bent = np.diff(outline.starts)[subpath] > 1
+    np.minimum.at(boxes[:, :2], subpath[bent], tips[bent])
+    np.maximum.at(boxes[:, 2:], subpath[bent], tips[bent])
     return boxes
 
 
