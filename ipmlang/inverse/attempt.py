@@ -14,7 +14,7 @@ from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import IpmError, fail
 from ipmlang.compiler.format import format_grammar
 from ipmlang.formats.drawing import Drawing
-from ipmlang.inverse.boards import Block, with_boards, with_figures
+from ipmlang.inverse.boards import Block, Board, with_boards, with_figures
 from ipmlang.inverse.coats import merged_styles
 from ipmlang.inverse.compare import Comparison
 from ipmlang.inverse.curves import with_curves
@@ -42,6 +42,8 @@ from ipmlang.inverse.ways import (
     Found,
     Goal,
     Memories,
+    Way,
+    beside_blocks,
     searched,
     searched_regular,
     ways_to_see,
@@ -147,6 +149,8 @@ def best_grammar(
             if regular is not found:
                 folded = [each for each in folded if _beats(each, regular, options.symmetrize)]
                 found, folded = regular, [*folded, *_folded(regular, len(observed))]
+        if blocks and not options.symmetrize:
+            blocks += _beside_boards(goal, plain, seen_so[0])
         asked = options.paper or options.symmetrize
         attempts += blocks + folded + _written_out(found, len(observed))
         if not (_bends_order(found.book) or asked):
@@ -268,10 +272,9 @@ def _blocks(plain: Subject) -> list[Attempt]:
     """The files with things of all sizes on grids, and with figures of all lengths, if there are
     such.
     """
-    alone, observed = plain.instanced, plain.observed
-    book = make_book(alone.alphabet, alone.string)
-    bound = merged_styles(book, alone.terminals)
-    boards = with_boards(book, alone.terminals, set(bound), observed.diagonal)
+    observed = plain.observed
+    book = make_book(plain.instanced.alphabet, plain.instanced.string)
+    boards = _boards(book, plain)
     made = [_of_blocks("boards", book, boards, plain)] if boards else []
     stretched = with_stretched_lines(observed)
     if stretched is None:
@@ -280,6 +283,38 @@ def _blocks(plain: Subject) -> list[Attempt]:
     book = make_book(lines.instanced.alphabet, lines.instanced.string)
     figures = with_figures(book, stretched.terminals, observed.diagonal)
     return [*made, _of_blocks("figures", book, figures, lines)] if figures else made
+
+
+def _boards(book: Book, subject: Subject) -> list[Board]:
+    """Things of all sizes on grids in the axiom of a book."""
+    terminals = subject.instanced.terminals
+    bound = set(merged_styles(book, terminals))
+    return with_boards(book, terminals, bound, subject.observed.diagonal)
+
+
+def _beside_boards(goal: Goal, plain: Subject, way: Way) -> list[Attempt]:
+    """The file with things of all sizes on grids, and rules for what stands beside these, if there
+    are both.
+    """
+    string = plain.instanced.string
+    flat = make_book(plain.instanced.alphabet, string)
+    boards = _boards(flat, plain)
+    whole = len(string) == len(goal.observed)  # else rows are no elements
+    made = beside_blocks(goal, way, boards) if boards and whole else None
+    if made is None:
+        return []
+    book, subject = made
+    counts = _counts(book, len(goal.observed))
+    blocks = _boards(book, subject)
+    if len(blocks) < len(boards):  # a rule has bound what stands on one
+        return []
+    attempt = _of_blocks("boards", book, blocks, subject)
+    both = Counts(
+        counts.rules + attempt.counts.rules,
+        counts.twice + attempt.counts.twice,
+        counts.explained + attempt.counts.explained,
+    )
+    return [replace(attempt, counts=both)]
 
 
 def _of_blocks(name: str, book: Book, blocks: Sequence[Block], subject: Subject) -> Attempt:

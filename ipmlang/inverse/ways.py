@@ -8,12 +8,15 @@ Which of them is the answer is decided elsewhere, and nothing here is proven.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+
+import numpy as np
 
 from ipmlang.formats.drawing import Drawing
 from ipmlang.inverse.aliases import drop_aliases
 from ipmlang.inverse.baselines import settle_baselines
+from ipmlang.inverse.boards import Block
 from ipmlang.inverse.grammar_file import Subject, Written, write_grammar
 from ipmlang.inverse.lattices.choice import Memory, with_lattices
 from ipmlang.inverse.lattices.spared import Said, layers_weight, said
@@ -21,7 +24,7 @@ from ipmlang.inverse.lsystem.curves import moved
 from ipmlang.inverse.lsystem.importance import Measure
 from ipmlang.inverse.lsystem.journal import Journal
 from ipmlang.inverse.lsystem.rules import Search
-from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement
+from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers, joined
 from ipmlang.inverse.lsystem.trees import TreeSearch
 from ipmlang.inverse.observation import Observation
 from ipmlang.inverse.options import Options
@@ -133,6 +136,38 @@ def searched_regular(
     if goal.options.symmetrize:  # for what is regular, not what is short
         return made[-1] if made else None
     return min(made, key=lambda each: each.written.weight, default=None)
+
+
+def beside_blocks(goal: Goal, way: Way, blocks: Sequence[Block]) -> tuple[Book, Subject] | None:
+    """What a search found of all that stands in no block of the axiom, with the members of blocks
+    one by one; None where nothing is left of it.
+    """
+    if way.left is None:
+        return None
+    alphabet, string, _ = way.left
+    taken = np.zeros(len(way.instanced.seen.terminal), np.bool_)
+    for block in blocks:
+        taken[block.start : block.stop] = True
+    before = np.concatenate([[0], np.cumsum(taken)])
+    sizes = np.array([each.size for each in alphabet.definitions], np.int64)
+    stop = string.start + sizes[string.symbol]
+    kept = string[before[stop] == before[string.start]]
+    alone = way.instanced.string
+    left = alone[~np.isin(alone.start, _elements(kept, sizes))]
+    if not (sizes[kept.symbol] > sizes[alone.symbol].max(initial=1)).any():
+        return None
+    mixed = joined([kept, left])
+    mixed = mixed[np.argsort(mixed.start, kind="stable")]
+    instanced = _copied(replace(way.instanced, alphabet=alphabet, string=mixed))
+    book = _simplified(instanced, mixed, goal.options, Scattered())
+    return book, Subject(goal.observed, instanced, goal.stem, goal.given.rounding)
+
+
+def _elements(string: Arrangement, sizes: Integers) -> Integers:
+    """The elements that a string draws; sizes: of every symbol."""
+    often = sizes[string.symbol]
+    first = np.repeat(string.start - (np.cumsum(often) - often), often)
+    return np.asarray(first + np.arange(len(first)))
 
 
 def _rival(way: Way, scattered: bool) -> Said | None:

@@ -81,6 +81,23 @@ def test_sizes_that_a_rule_says_stay_a_rule(tmp_path: Path) -> None:
     assert _inferred(tmp_path, drawn).report.tokens < 150
 
 
+def test_what_stands_beside_a_board_has_rules(tmp_path: Path) -> None:
+    stripes = "".join(f'<rect y="{37 * k}" width="640" height="18"/>' for k in range(7))
+    stars = "".join(
+        f'<circle r="5" cx="{round(16.4 + 60.8 * i + 30.6 * (j % 2))}" cy="{round(12 + 25.83 * j)}"'
+        ' fill="#fff"/>'
+        for j in range(9)
+        for i in range(6 - j % 2)
+    )
+    path = tmp_path / "flag.svg"
+    page = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 640 480">'
+    path.write_text(f"{page}{stripes}{stars}</svg>", encoding="utf-8")
+    found = infer(path)
+    assert "round(" in found.text and "RectColumn -->" in found.text
+    assert found.report.rules == 2
+    assert found.report.explained == 1.0
+
+
 def test_a_scattered_drawing_has_no_raster() -> None:
     random = np.random.default_rng(1)
     places = random.uniform(0, 9, 200) + 1j * random.uniform(0, 9, 200)
