@@ -65,6 +65,23 @@ def places(grammar: ast.Grammar) -> list[Found]:
     return found
 
 
+def places_in(grammar: ast.Grammar, rule: str) -> list[Found]:
+    """Those of the productions of one rule, or of the start."""
+    found: list[Found] = []
+
+    def note(place: Place, expr: ast.Expr) -> ast.Expr:
+        found.append((place, expr))
+        return expr
+
+    heads = _heads(grammar)
+    own = {name for name, _ in heads}
+    for item in grammar.items:
+        name = item.head.name if isinstance(item, ast.Rule) else "start"
+        if isinstance(item, ast.Rule | ast.Start) and name == rule:
+            _item(item, heads, own, note)
+    return found
+
+
 def with_changes(grammar: ast.Grammar, changes: Mapping[int, ast.Expr]) -> ast.Grammar:
     """The tree with the parameters of these numbers, counted as in `places`, replaced."""
     counter = iter(range(1 << 62))
@@ -72,14 +89,19 @@ def with_changes(grammar: ast.Grammar, changes: Mapping[int, ast.Expr]) -> ast.G
 
 
 def _rewritten(grammar: ast.Grammar, visit: Visit) -> ast.Grammar:
-    heads = {
+    heads = _heads(grammar)
+    own = {name for name, _ in heads}
+    items = tuple(_item(item, heads, own, visit) for item in grammar.items)
+    return replace(grammar, items=items)
+
+
+def _heads(grammar: ast.Grammar) -> dict[tuple[str, int], tuple[str, ...]]:
+    """The parameters of rules by their names and how many they are."""
+    return {
         (item.head.name, len(item.head.parameters)): tuple(p.name for p in item.head.parameters)
         for item in reversed(grammar.items)
         if isinstance(item, ast.Rule)
     }
-    own = {name for name, _ in heads}
-    items = tuple(_item(item, heads, own, visit) for item in grammar.items)
-    return replace(grammar, items=items)
 
 
 def _item(

@@ -181,7 +181,9 @@ def nodes(tree: object) -> Iterator[object]:
         if names is not None:
             yield one
             for name in names:
-                waiting.append(getattr(one, name))
+                value = getattr(one, name)
+                if value:  # neither None nor empty: a node is always true
+                    waiting.append(value)
 
 
 class _Inner(dict[type, "tuple[str, ...] | None"]):
@@ -239,13 +241,17 @@ def _asked(tree: object, known: _Known) -> list[str]:
             else:
                 waiting += cast("tuple[object, ...]", one)
             continue
+        if kind is ast.Number:  # the most of all, and they ask for nothing
+            continue
         name, inner = _ASKING.get(kind), _INNER[kind]
         if name is not None:
             found.append(getattr(one, name))
         elif kind in (ast.Start, ast.Place):
             found += _placed_on(one)
         for each in inner or ():
-            waiting.append(getattr(one, each))
+            value = getattr(one, each)
+            if value:
+                waiting.append(value)
     return found
 
 
@@ -317,7 +323,7 @@ def taken_names(grammar: ast.Grammar, asked: Asked | None = None) -> set[str]:
     for item in grammar.items:
         found |= asked.names(item)
         found.update(defined_names(item))
-    for node in nodes(grammar):
+    for node in nodes(tuple(each for each in grammar.items if not isinstance(each, ast.Table))):
         match node:
             case ast.Parameter(name=name) | ast.Count(variable=name) | ast.Rows(variable=name):
                 found.add(name)

@@ -1,7 +1,7 @@
 """Which boxes touch or overlap: the neighbours in a building.
 
-In go boxes as low and high corners, out come pairs. Candidates come from a tree over two axes,
-never from all pairs. What a contact means for an edit is decided in `attachments.py`.
+In go boxes as low and high corners, out come pairs. Candidates come from a tree over two axes, from
+all pairs only where boxes are few. What a contact means for an edit is decided in `attachments.py`.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+FEW = 400  # boxes all of whose pairs are sooner looked at than sorted
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
@@ -20,10 +21,10 @@ def neighbours(low: Floats, high: Floats, tolerance: float) -> Integers:
     >>> neighbours(low, low + 1, 1e-6).tolist()
     [[0, 1]]
     """
+    if len(low) <= FEW:
+        return _among_all(low, high, tolerance)
     import shapely
 
-    if len(low) < 2:
-        return np.zeros((0, 2), np.int64)
     first, second, third = _axes(low, high)
     half = 0.5 * tolerance
     flat = shapely.box(
@@ -37,6 +38,16 @@ def neighbours(low: Floats, high: Floats, tolerance: float) -> Integers:
     )
     pairs = pairs[meets]
     return np.asarray(pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))])
+
+
+def _among_all(low: Floats, high: Floats, tolerance: float) -> Integers:
+    """The same by a look at all pairs."""
+    below, above = (low - 0.5 * tolerance).T, (high + 0.5 * tolerance).T
+    meets = below[0] <= above[0][:, None]
+    for k in (1, 2):
+        meets &= below[k] <= above[k][:, None]
+    i, j = np.nonzero(np.triu(meets & meets.T, 1))
+    return np.stack([i, j], axis=1)
 
 
 def _axes(low: Floats, high: Floats) -> tuple[int, int, int]:

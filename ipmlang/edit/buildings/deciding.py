@@ -14,7 +14,7 @@ from ipmlang.compiler import ast
 from ipmlang.edit.arithmetic import number_of
 from ipmlang.edit.buildings.measuring import Measured, Unit
 from ipmlang.edit.buildings.tree import Tree
-from ipmlang.edit.places import Found, Place, places
+from ipmlang.edit.places import Found, Place, places, places_in
 from ipmlang.edit.symbols import nodes
 
 Key = tuple[Literal["shape", "terminal"], int]
@@ -30,19 +30,19 @@ def deciding(tree: Tree, key: Key, others: Sequence[Key], axis: int) -> Iterator
     unit = unit_of(tree, key)
     way = _way(tree, unit)
     twins = _twins(tree, unit, others, axis)
-    numbered: list[tuple[int, Found]] = []
+    grammar, numbers = tree.draft.grammar, dict[int, int]()
     for rule, step in _first_of_each(tree, way).items():
         if any(_hang_alike(tree, way, other, step) for other in twins):
             continue
         if step == 0 and key[0] == "shape" and _is_given(tree, way[0], axis):
             continue
-        numbered = numbered or list(enumerate(places(tree.draft.grammar)))
         aside = set() if step == 0 else _aside(tree, rule, tree.names[way[step - 1]])
-        for number, (place, expr) in numbered:
-            if place.rule == rule and id(expr) not in aside and _is_length(place, axis, step == 0):
+        for place, expr in places_in(grammar, rule):
+            if id(expr) not in aside and _is_length(place, axis, step == 0):
+                numbers = numbers or {id(own): k for k, (_, own) in enumerate(places(grammar))}
                 value = number_of(expr)
                 if value is not None and value > 0:
-                    yield number, (place, expr)
+                    yield numbers[id(expr)], (place, expr)
 
 
 def _way(tree: Tree, unit: Unit) -> list[int]:

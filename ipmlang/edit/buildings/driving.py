@@ -20,7 +20,7 @@ from ipmlang.compiler.format import format_expression
 from ipmlang.edit.arithmetic import literal, number_of
 from ipmlang.edit.buildings.deciding import Key, deciding
 from ipmlang.edit.buildings.measuring import Measured
-from ipmlang.edit.buildings.soundness import came_apart, extents, follows, out_of_line, runs_into
+from ipmlang.edit.buildings.soundness import came_apart, follows, out_of_line, runs_into
 from ipmlang.edit.buildings.tree import Tree, grown, tree_of
 from ipmlang.edit.buildings.units import tolerance
 from ipmlang.edit.draft import Change, Draft, with_items, with_parameters
@@ -132,7 +132,7 @@ def _vanished(before: Tree, after: Tree) -> bool:
     """Whether anything that is in both has almost no size left where it had one."""
     one, other = before.scene.instances.key, after.scene.instances.key
     _, mine, theirs = np.intersect1d(one, other, return_indices=True)
-    first, last = extents(before)[mine], extents(after)[theirs]
+    first, last = before.extents[mine], after.extents[theirs]
     return bool(((first > 0) & (last < LEAST * first)).any())
 
 

@@ -12,8 +12,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from ipmlang.edit.buildings.asking import Asking
-from ipmlang.edit.buildings.tree import Tree
+from ipmlang.edit.buildings.tree import Maps, Tree, maps_of
 from ipmlang.inverse.frames import Floats, Frames, compose, identity, inverse, linear
 from ipmlang.runtime.scene import SCOPE
 
@@ -37,33 +36,16 @@ class Inside:
     square: bool
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Base:
-    """A frame of one row as maps of points: out (3, 3), into (3, 3) and origin (3,), such that
-    `into @ point + origin` is a point of the world in the frame; turn (3, 3): its axes.
-    """
-
-    frame: Frames
-    turn: Floats
-    out: Floats
-    into: Floats
-    origin: Floats
-
-
 @dataclass(slots=True, eq=False)
 class Measured:
     """The units of one tree. Frames that are asked about again shall be the same objects."""
 
     tree: Tree
-    _asking: Asking = field(init=False)
     _frames: dict[Unit, Frames] = field(default_factory=dict)
     _fills: dict[Unit, bool] = field(default_factory=dict)
-    _bases: dict[int, Base] = field(default_factory=dict)
-    _turned: dict[tuple[Unit, int], Floats] = field(default_factory=dict)
+    _maps: dict[int, tuple[Frames, Maps]] = field(default_factory=dict)
+    _turned: dict[tuple[Unit, int], tuple[Floats, list[bool]]] = field(default_factory=dict)
     _points: dict[tuple[Unit, int], Floats] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        self._asking = Asking(self.tree.program)
 
     def name(self, unit: Unit) -> str:
         """The symbol of a shape, the label of a terminal."""
@@ -84,36 +66,36 @@ class Measured:
         if unit not in self._frames:
             kind, row = unit
             one = self.tree.frames if kind == "shape" else self.tree.terminals.frames
-            self._frames[unit] = one[row : row + 1]
+            found = self._frames[unit] = one[row : row + 1]
+            self._maps[id(found)] = found, self.tree.maps[kind][row]
         return self._frames[unit]
 
-    def base(self, frame: Frames) -> Base:
+    def maps(self, frame: Frames) -> Maps:
         """A frame as maps of points."""
-        if id(frame) not in self._bases:
-            out = linear(frame)[0]
-            turn = out / frame.scale[0]
-            turn[:, 0] *= frame.hand[0]
-            into = turn.T / frame.scale[0]
-            into[0] *= frame.hand[0]
-            self._bases[id(frame)] = Base(frame, turn, out, into, into @ -frame.position[0])
-        return self._bases[id(frame)]
+        if id(frame) not in self._maps:
+            self._maps[id(frame)] = frame, maps_of(frame)[0]
+        return self._maps[id(frame)][1]
 
     def turned(self, unit: Unit, base: Frames) -> Floats:
         """(3, 3) the axes of a unit, as columns, in those of a frame, without signs."""
-        key = unit, id(base)
-        if key not in self._turned:
-            kind, row = unit
-            tree = self.tree
-            own = tree.shape_turns[row] if kind == "shape" else tree.terminal_turns[row]
-            self._turned[key] = np.abs(self.base(base).turn.T @ own)
-        return self._turned[key]
+        return self._turn_of(unit, base)[0]
 
     def is_square(self, unit: Unit, base: Frames, along: Sequence[int] = (0, 1, 2)) -> bool:
         """Whether the axes of a unit are those of a frame, in whatever order and direction; or some
         of the frame's axes are among those of the unit.
         """
-        rows = self.turned(unit, base).tolist()
-        return all(abs(max(rows[k]) - 1) <= SQUARE for k in along)
+        square = self._turn_of(unit, base)[1]
+        return all(square[k] for k in along)
+
+    def _turn_of(self, unit: Unit, base: Frames) -> tuple[Floats, list[bool]]:
+        """The axes of a unit in those of a frame, and which of the frame's are among them."""
+        key = unit, id(base)
+        if key not in self._turned:
+            own = self.maps(self.frame(unit)).turn
+            found = np.abs(self.maps(base).turn.T @ own)
+            square = [abs(max(row) - 1) <= SQUARE for row in found.tolist()]
+            self._turned[key] = found, square
+        return self._turned[key]
 
     def fills(self, unit: Unit) -> bool:
         """Whether a unit is as large as its scope says."""
@@ -123,7 +105,7 @@ class Measured:
                 found = not self.tree.is_natural(row) and not self.is_solid(row)
             else:
                 symbol = int(self.tree.lineage.symbol[row])
-                found = symbol >= 0 and self._asking.symbol_asks(symbol) and self._has_box(row)
+                found = symbol >= 0 and self.tree.asking.symbol_asks(symbol) and self._has_box(row)
             self._fills[unit] = found
         return self._fills[unit]
 
@@ -147,7 +129,7 @@ class Measured:
         """
         key = unit, id(base)
         if key not in self._points:
-            own = self.base(base)
+            own = self.maps(base)
             found = self.tree.corners_of(self.rows(unit)) @ own.into.T
             found += own.origin
             self._points[key] = found
@@ -157,9 +139,11 @@ class Measured:
         """(3,) how large a unit is along its own axes: its scope, or where that has no extent, what
         it draws.
         """
+        if unit[0] == "terminal":
+            return np.asarray(self.tree.extents[unit[1]])
         low, high = self.box(unit)
         size = high - low
-        if unit[0] == "shape" and (size <= 0).any():
+        if (size <= 0).any():
             first, last = self.box_in(unit, self.frame(unit))
             size = np.where(size > 0, size, last - first)
         return np.asarray(size * self.frame(unit).scale[0])
@@ -192,7 +176,7 @@ class Measured:
 
     def reads_lot(self) -> bool:
         """Whether anything asks how large the lot is: where nothing does, the lot is but a note."""
-        return self._asking.body_asks(self.tree.program.axiom.body)
+        return self.tree.asking.body_asks(self.tree.program.axiom.body)
 
     def _has_box(self, row: int) -> bool:
         """Whether the geometry of a shape is all of its scope."""
@@ -242,4 +226,4 @@ class Measured:
         return found
 
 
-__all__ = ["BOX", "SQUARE", "Base", "Inside", "Measured", "Unit"]
+__all__ = ["BOX", "SQUARE", "Inside", "Measured", "Unit"]

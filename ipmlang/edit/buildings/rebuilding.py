@@ -88,7 +88,7 @@ class Rebuilt:
         base = own if square else self.upright
         low, high = measured.box(unit) if square else measured.box_in(unit, base)
         grown = own_ratios(measured.turned(unit, self.upright), ratio) if square else ratio
-        corner = axes @ (measured.base(base).out @ low + base.position[0])
+        corner = axes @ (measured.maps(base).out @ low + base.position[0])
         moved = self.low[k] + (corner - self.made.low[k]) * ratio
         size = (high - low) * grown
         frame = Frames((moved @ axes)[None], base.rotation, base.hand, base.scale)

@@ -99,9 +99,10 @@ class Arranged:
         for size in range(1, MOST + 1):
             if begin + ROW * size > len(self.parts):
                 break
-            if not all(self._alike(begin, begin + k * size) for k in range(1, ROW)):
+            second, third = begin + size, begin + 2 * size
+            if not (self._alike(begin, second) and self._alike(begin, third)):
                 continue
-            motion = self._motion(begin, begin + size)
+            motion = self._motion(begin, second)
             if motion is None:
                 continue
             count = self._count(begin, size, motion)
@@ -135,6 +136,8 @@ class Arranged:
         if motion.middle is not None:
             before = np.array(expected).reshape(3, 3)
             expected = (_rotation(motion.axis, motion.angle * times) @ before).ravel().tolist()
+        if own == expected:
+            return True
         return all(abs(x - y) <= 1e2 * ALIKE for x, y in zip(own, expected, strict=True))
 
     def _motion(self, one: int, other: int) -> Motion | None:

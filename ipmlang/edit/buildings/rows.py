@@ -18,7 +18,7 @@ from ipmlang.inverse.frames import Frames, join
 from ipmlang.inverse.split.placing import Precision, Spot, placed, spots
 from ipmlang.inverse.split.wording import all_nothing, is_nothing
 
-MANY, MIXED = 4, 5  # rows of a table, and of one of several symbols
+FEWEST, MANY, MIXED = 3, 4, 5  # parts of a row, rows of a table, and of one of several symbols
 COLUMNS = ("x", "y", "z", "rx", "ry", "rz")
 SHAPE = "shape"
 
@@ -61,8 +61,10 @@ def laid_out(
     body: list[ast.Element] = []
     tables: list[ast.Table] = []
     frames = join([frame for frame, _ in parts])
-    at, arranged = room.spots(frames), Arranged(parts, frames, room.near)
-    begin = 0
+    at = room.spots(frames)
+    if len(parts) < FEWEST:
+        return tuple(placed(spot, own[1]) for spot, own in zip(at, parts, strict=True)), tables
+    arranged, begin = Arranged(parts, frames, room.near), 0
     while begin < len(parts):
         sequence = arranged.regular(begin)
         if sequence is not None:

@@ -129,9 +129,3 @@ def follows(before: Tree, after: Tree, axes: Floats, axis: int, wanted: float) -
     moved = np.concatenate([low_after - low, high_after - high]) - (low_after.min() - begin)
     far = np.abs(share) > FAR * abs(wanted)
     return bool(np.mean((np.abs(moved) > FAR * np.abs(share))[far]) >= ROUNDED)
-
-
-def extents(tree: Tree) -> Floats:
-    """(m, 3) the sizes of all terminals along their own axes."""
-    one = tree.terminals
-    return np.asarray((one.high - one.low) * one.frames.scale[:, None])

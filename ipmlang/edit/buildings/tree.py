@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from ipmlang.compiler import ast, collector, compile_file, compile_loaded, ir
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail, nearest
 from ipmlang.compiler.load import load_text
+from ipmlang.edit.buildings.asking import Asking
 from ipmlang.edit.buildings.contacts import neighbours
 from ipmlang.edit.draft import Draft, Drawn
 from ipmlang.edit.files import files_with
@@ -34,7 +35,6 @@ from ipmlang.inverse.frames import (
     corners,
     inverse,
     linear,
-    turns,
 )
 from ipmlang.runtime import derive
 from ipmlang.runtime.lineage import Lineage
@@ -46,6 +46,7 @@ if TYPE_CHECKING:
 
 TEXTS = ("color", "fill", "stroke", "css", "material", "texture", "label")
 BOUND = ("uv", "join", "effect")  # of the state: what cannot be said apart from where it was made
+UPRIGHT: Floats = np.eye(3)
 PENS = frozenset({*TEXTS, *BOUND, "width", "layer"})
 
 
@@ -57,6 +58,32 @@ class Terminals:
     low: Floats
     high: Floats
     labels: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Maps:
+    """n frames as maps of points: out, into (n, 3, 3) and origin (n, 3), such that `into @ point +
+    origin` is a point of the world in the frame; turn (n, 3, 3): their axes, as columns.
+    """
+
+    turn: Floats
+    out: Floats
+    into: Floats
+    origin: Floats
+
+    def __getitem__(self, row: int) -> Maps:
+        """Those of one, without the n."""
+        return Maps(self.turn[row], self.out[row], self.into[row], self.origin[row])
+
+
+def maps_of(frames: Frames) -> Maps:
+    """Frames as maps of points."""
+    out = linear(frames)
+    turn = out / frames.scale[:, None, None]
+    turn[:, :, 0] *= frames.hand[:, None]
+    into = turn.transpose(0, 2, 1) / frames.scale[:, None, None]
+    into[:, 0] *= frames.hand[:, None]
+    return Maps(turn, out, into, np.einsum("nij,nj->ni", into, -frames.position))
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +103,17 @@ class Tree:
     terminals: Terminals
     meshes: Mapping[int, Mesh]
     stamps: tuple[tuple[str, int, int], ...] = ()
+
+    @cached_property
+    def asking(self) -> Asking:
+        """Which of its rules ask how large their scope is."""
+        return Asking(self.program)
+
+    @cached_property
+    def extents(self) -> Floats:
+        """(m, 3) the sizes of all terminals along their own axes."""
+        one = self.terminals
+        return np.asarray((one.high - one.low) * one.frames.scale[:, None])
 
     @cached_property
     def rows_of(self) -> dict[str, dict[int, int]]:
@@ -114,6 +152,12 @@ class Tree:
         found = [row for row, label in enumerate(self.terminals.labels) if label == name]
         return found or [row for row, own in enumerate(self.drawn_assets) if name and own == name]
 
+    def of(self, draft: Draft) -> Tree:
+        """The same of another draft that says the same, with all that was worked out of it."""
+        made = replace(self, draft=draft)
+        vars(made).update({**vars(self), "draft": draft})
+        return made
+
     @cached_property
     def parent(self) -> Integers:
         return self.lineage.parent.astype(np.int64)
@@ -133,14 +177,9 @@ class Tree:
         return self.lineage.drawer.tolist()  # type: ignore[no-any-return]
 
     @cached_property
-    def shape_turns(self) -> Floats:
-        """(n, 3, 3) the axes of all shapes, as columns."""
-        return turns(self.frames.rotation)
-
-    @cached_property
-    def terminal_turns(self) -> Floats:
-        """(m, 3, 3) the axes of all terminals, as columns."""
-        return turns(self.terminals.frames.rotation)
+    def maps(self) -> dict[str, Maps]:
+        """The frames of all shapes and of all terminals as maps of points."""
+        return {"shape": maps_of(self.frames), "terminal": maps_of(self.terminals.frames)}
 
     def __len__(self) -> int:
         return len(self.names)
@@ -237,14 +276,15 @@ class Tree:
         one = self.terminals
         return corners(one.frames, one.low, one.high)
 
-    def neighbours(self, near: float) -> Integers:
-        """(k, 2) the pairs of terminals whose boxes share a point within `near`."""
-        if near not in self._neighbours:
-            self._neighbours[near] = neighbours(*self.boxes(np.eye(3)), near)
-        return self._neighbours[near]
+    def neighbours(self, near: float, axes: Floats = UPRIGHT) -> Integers:
+        """(k, 2) the pairs of terminals whose boxes along axes share a point within `near`."""
+        key = near, axes.tobytes()
+        if key not in self._neighbours:
+            self._neighbours[key] = neighbours(*self.boxes(axes), near)
+        return self._neighbours[key]
 
     @cached_property
-    def _neighbours(self) -> dict[float, Integers]:
+    def _neighbours(self) -> dict[tuple[float, bytes], Integers]:
         """What `neighbours` has been asked for."""
         return {}
 
@@ -287,7 +327,7 @@ def grown(
             _note(known)
             drawn = known.draft.drawn
             own = None if drawn is None else Drawn(draft.grammar, draft.added, drawn.terminals)
-            return replace(known, draft=replace(draft, drawn=own))
+            return known.of(replace(draft, drawn=own))
     stamps = _stamps(draft)
     with collector.held():
         tree = _derived(draft, seed, attrs, like)

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipmlang.compiler.diagnostics import fail
-from ipmlang.edit.buildings.contacts import neighbours
 from ipmlang.edit.buildings.forms import Forms
 from ipmlang.edit.buildings.measuring import Unit
 from ipmlang.edit.buildings.tree import Tree, unknown
@@ -168,7 +167,7 @@ def _meeting_inside(
     of = np.full(len(low), -1, np.int64)
     for number, rows in enumerate(made.rows):
         of[rows] = number
-    pairs = neighbours(low, high, near)
+    pairs = forms.tree.neighbours(near, made.axes)
     pairs = pairs[of[pairs[:, 0]] != of[pairs[:, 1]]]
     low, high, own_low, own_high = (each[:, along] for each in (low, high, made.low, made.high))
     found: set[int] = set()
