@@ -12,7 +12,7 @@ from typing import Literal
 
 from ipmlang.compiler import ast
 from ipmlang.edit.arithmetic import number_of
-from ipmlang.edit.buildings.measuring import Measured, Unit
+from ipmlang.edit.buildings.measuring import Unit, measured
 from ipmlang.edit.buildings.tree import Tree
 from ipmlang.edit.places import Found, Place, places, places_in
 from ipmlang.edit.symbols import nodes
@@ -39,9 +39,9 @@ def deciding(tree: Tree, key: Key, others: Sequence[Key], axis: int) -> Iterator
         aside = set() if step == 0 else _aside(tree, rule, tree.names[way[step - 1]])
         for place, expr in places_in(grammar, rule):
             if id(expr) not in aside and _is_length(place, axis, step == 0):
-                numbers = numbers or {id(own): k for k, (_, own) in enumerate(places(grammar))}
                 value = number_of(expr)
                 if value is not None and value > 0:
+                    numbers = numbers or {id(own): k for k, (_, own) in enumerate(places(grammar))}
                     yield numbers[id(expr)], (place, expr)
 
 
@@ -58,12 +58,12 @@ def _first_of_each(tree: Tree, way: Sequence[int]) -> dict[str, int]:
 
 def _twins(tree: Tree, unit: Unit, others: Sequence[Key], axis: int) -> list[list[int]]:
     """The ways of the others that are as large now, terminals drawn in the same place of a rule."""
-    measured = Measured(tree)
-    own = float(measured.extent(unit)[axis])
+    known = measured(tree)
+    own = float(known.extent(unit)[axis])
     return [
         _way(tree, other)
         for other in (unit_of(tree, key) for key in others)
-        if abs(float(measured.extent(other)[axis]) - own) <= ALIKE * max(own, 1.0)
+        if abs(float(known.extent(other)[axis]) - own) <= ALIKE * max(own, 1.0)
         and _drawn(tree, other) == _drawn(tree, unit)
     ]
 
@@ -99,7 +99,7 @@ def _is_given(tree: Tree, row: int, axis: int) -> bool:
     """Whether a shape's size is that of the scope that it was given, which its own rule comes too
     late to change.
     """
-    return bool(tree.size[row, axis] > 0) and Measured(tree).fills(("shape", row))
+    return bool(tree.size[row, axis] > 0) and measured(tree).fills(("shape", row))
 
 
 def _aside(tree: Tree, rule: str, below: str) -> set[int]:

@@ -18,7 +18,7 @@ from ipmlang.compiler import ast, ir
 from ipmlang.compiler.diagnostics import IpmError, fail
 from ipmlang.edit.arithmetic import literal
 from ipmlang.edit.buildings.baking import Asset, Baking
-from ipmlang.edit.buildings.measuring import BOX, Measured, Unit
+from ipmlang.edit.buildings.measuring import BOX, Measured, Unit, measured
 from ipmlang.edit.buildings.regularity import Part
 from ipmlang.edit.buildings.rows import Room, laid_out
 from ipmlang.edit.buildings.tree import BOUND, Tree
@@ -58,7 +58,7 @@ class Forms:
     measured: Measured = field(init=False)
 
     def __post_init__(self) -> None:
-        self.measured = Measured(self.tree)
+        self.measured = measured(self.tree)
 
     # --------------------------------------------------------------------------- as it is
 

@@ -6,18 +6,21 @@ lives: an edit asks the same of equal parts again and again. Nothing is written 
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cache as remember
 from typing import Literal, TypeAlias
 
 import numpy as np
 
 from ipmlang.edit.buildings.tree import Maps, Tree, maps_of
-from ipmlang.inverse.frames import Floats, Frames, compose, identity, inverse, linear
+from ipmlang.inverse.frames import Floats, Frames, compose, from_matrices, identity, inverse, linear
 from ipmlang.runtime.scene import SCOPE
 
 Unit: TypeAlias = tuple[Literal["shape", "terminal"], int]
 BOX = 1  # the geometry that is the whole scope
+MANY = 100  # frames besides those of units, after which nothing is known any more
 SQUARE = 1e-7  # how far axes may be off that are the same
 
 
@@ -42,6 +45,7 @@ class Measured:
 
     tree: Tree
     _frames: dict[Unit, Frames] = field(default_factory=dict)
+    _uprights: dict[bytes, Frames] = field(default_factory=dict)
     _fills: dict[Unit, bool] = field(default_factory=dict)
     _maps: dict[int, tuple[Frames, Maps]] = field(default_factory=dict)
     _turned: dict[tuple[Unit, int], tuple[Floats, list[bool]]] = field(default_factory=dict)
@@ -75,6 +79,14 @@ class Measured:
         if id(frame) not in self._maps:
             self._maps[id(frame)] = frame, maps_of(frame)[0]
         return self._maps[id(frame)][1]
+
+    def upright(self, axes: Floats) -> Frames:
+        """The frame at the origin with these axes, rows of (3, 3)."""
+        key = axes.tobytes()
+        if key not in self._uprights:
+            matrix = np.concatenate([axes.T, np.zeros((3, 1))], axis=1)
+            self._uprights[key] = from_matrices(matrix[None])
+        return self._uprights[key]
 
     def turned(self, unit: Unit, base: Frames) -> Floats:
         """(3, 3) the axes of a unit, as columns, in those of a frame, without signs."""
@@ -226,4 +238,19 @@ class Measured:
         return found
 
 
-__all__ = ["BOX", "SQUARE", "Inside", "Measured", "Unit"]
+def measured(tree: Tree) -> Measured:
+    """What is known of the units of a tree, by an edit before this one if that began with it."""
+    found = next((each for each in tuple(_last()) if each.tree.scene is tree.scene), None)
+    if found is None or len(found._maps) > len(tree) + len(tree.owners) + MANY:
+        found = Measured(tree)
+        _last().append(found)
+    return found
+
+
+@remember
+def _last() -> deque[Measured]:
+    """What was asked for last."""
+    return deque(maxlen=2)
+
+
+__all__ = ["BOX", "SQUARE", "Inside", "Measured", "Unit", "measured"]

@@ -18,7 +18,7 @@ from ipmlang.edit.buildings.measuring import Unit
 from ipmlang.edit.buildings.rewriting import Placed
 from ipmlang.edit.buildings.sizing import STAYS, Sizing, own_ratios, ratios
 from ipmlang.edit.buildings.units import Units
-from ipmlang.inverse.frames import Floats, Frames, from_matrices
+from ipmlang.inverse.frames import Floats, Frames
 
 LARGE, LITTLE = 1.8, 0.4  # times its size: beyond, a part is split, or joined (section 4.1)
 MOST = 1000  # copies of a part along an axis
@@ -40,7 +40,7 @@ class Rebuilt:
 
     def __post_init__(self) -> None:
         self.sizing = Sizing(self.forms, self.near)
-        self.upright = _upright(self.made.axes)
+        self.upright = self.forms.measured.upright(self.made.axes)
 
     def placed(self) -> dict[Unit, list[Placed]]:
         """What stands in place of each unit that is elsewhere, or of another size."""
@@ -139,11 +139,6 @@ def evened(sizes: Floats, near: float) -> Floats:
             found[group] = 0.5 * (sizes[group[0]] + sizes[group[-1]])
             begin = end
     return found
-
-
-def _upright(axes: Floats) -> Frames:
-    """The frame at the origin with these axes, rows of (3, 3)."""
-    return from_matrices(np.concatenate([axes.T, np.zeros((3, 1))], axis=1)[None])
 
 
 def _copies(ratio: float) -> int:

@@ -79,18 +79,30 @@ class Factored:
         return found
 
 
+def _columns(own: Equations, chosen: Integers) -> sparse.csr_matrix:
+    """The coefficients of some unknowns."""
+    from scipy import sparse
+
+    place = np.full(own.count, -1)
+    place[chosen] = np.arange(len(chosen))
+    column = place[own.column]
+    used = column >= 0
+    cells = own.coefficient[used], (own.row[used], column[used])
+    return sparse.csr_matrix(cells, (len(own.value), len(chosen)))
+
+
 def factor(own: Equations, fixed: Integers) -> Factored:
     """Prepare equations whose unknowns `fixed` (f,) will be given."""
     from scipy import sparse
     from scipy.sparse.linalg import splu
 
     free = np.setdiff1d(np.arange(own.count), fixed)
-    shape = (len(own.value), own.count)
-    matrix = sparse.csc_matrix((own.coefficient, (own.row, own.column)), shape)
-    a, b = matrix[:, free].tocsr(), matrix[:, fixed].tocsr()
+    a, b = (_columns(own, chosen) for chosen in (free, fixed))
     if not len(free):
         return Factored(own, fixed, free, (a, b), None)
-    normal = (a.T @ sparse.diags(own.weight) @ a + REGULAR * sparse.eye(len(free))).tocsc()
+    weight = np.repeat(own.weight, np.diff(a.indptr))
+    heavy = sparse.csr_matrix((a.data * weight, a.indices, a.indptr), a.shape)
+    normal = (a.T @ heavy + REGULAR * sparse.eye(len(free), format="csc")).tocsc()
     options = {"SymmetricMode": True}
     solver = splu(normal, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
     return Factored(own, fixed, free, (a, b), solver.solve)
