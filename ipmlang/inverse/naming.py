@@ -12,14 +12,20 @@ from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ipmlang.compiler.ops import OPERATIONS
 from ipmlang.compiler.tokens import is_free_name
 from ipmlang.formats.drawing import ARC, LINE, Outline
 
 LONGEST = 24
+MOST_ROUNDED = 8  # sides and bends of a rounded rectangle
 BETWEEN = re.compile(r"\W+", re.ASCII)
-GENERAL = re.compile(r"(path|g|rect|use|svg|layer|group|circle|line)[\d_]*")  # says nothing
+# What says nothing: kinds of elements, and what programs number by themselves.
+GENERAL = re.compile(
+    r"(path|g|rect|use|svg|layer|group|circle|line|line2d|polyline|polygon|ellipse|rectangle|text"
+    r"|tspan|image|vector|shape|object|st|cls|fil|str|xmlid|surface)[\d_]*|(patch|frame)_?\d+"
+)
 TAKEN = frozenset({"i", "n", "r", "e", "pi", "split", "here"})
 POLYGONS = {3: "triangle", 4: "quad", 5: "pentagon", 6: "hexagon", 8: "octagon", 10: "star"}
 
@@ -54,8 +60,8 @@ def _free(name: str) -> bool:
 def word(text: str) -> str:
     """An id or class as a name in small letters, empty if nothing is left of it.
 
-    >>> word("us-Star 12"), word("07"), word("path1234")
-    ('us_star_12', '', '')
+    >>> word("us-Star 12"), word("07"), word("path1234"), word("cls-1"), word("patch")
+    ('us_star_12', '', '', '', 'patch')
     """
     plain = BETWEEN.sub("_", text).strip("_").lower()
     if not plain or not plain[0].isalpha() or len(plain) > LONGEST:
@@ -88,6 +94,8 @@ def shape_word(kind: str, outline: Outline | None, fragment: str | None) -> str:
         if not outline.closed.all():
             return "polyline"
         return _polygon(outline)
+    if outline.closed.all() and len(outline.starts) == 2:
+        return _rounded(outline)
     return "arc" if len(outline.kind) == 1 and outline.kind[0] == ARC else "curve"
 
 
@@ -97,9 +105,31 @@ def _polygon(outline: Outline) -> str:
         edges = outline.coords[:, 1] - outline.coords[:, 0]
         turned = np.abs(np.sum(edges * np.roll(edges, -1, axis=0), axis=1))
         long = np.hypot(edges[:, 0], edges[:, 1])
-        if (turned <= 1e-6 * long * np.roll(long, -1)).all():
+        if (turned <= _room(edges)).all():
             return "square" if np.ptp(long) <= 1e-6 * long.max() else "rect"
     return POLYGONS.get(sides, "outline")
+
+
+def _rounded(outline: Outline) -> str:
+    """A closed outline with bends: `rect` if four sides at right angles have a bend at each corner,
+    a `pill` if two alike ones have, a `sector` if one bend joins two straight lines.
+    """
+    straight = outline.kind == LINE
+    edges = (outline.coords[:, 1] - outline.coords[:, 0])[straight]
+    apart = not (straight & np.roll(straight, 1)).any() and len(straight) <= MOST_ROUNDED
+    if apart and len(edges) == 4:
+        turned = np.abs(np.sum(edges * np.roll(edges, -1, axis=0), axis=1))
+        return "rect" if (turned <= _room(edges)).all() else "curve"
+    if apart and len(edges) == 2:
+        back = float(np.hypot(*(edges[0] + edges[1])))
+        return "pill" if back <= 1e-6 * float(np.hypot(*edges[0])) else "curve"
+    return "sector" if len(straight) == 3 and len(edges) == 2 else "curve"
+
+
+def _room(edges: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What products of neighbouring edges (k, 2) may be off."""
+    long = np.hypot(edges[:, 0], edges[:, 1])
+    return np.asarray(1e-6 * long * np.roll(long, -1), np.float64)
 
 
 def own_hint(source: tuple[str, ...], above: int) -> str:

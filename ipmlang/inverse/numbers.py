@@ -9,7 +9,7 @@ from __future__ import annotations
 from ipmlang.compiler import ast
 
 PLACES = 16  # decimal places that are tried are fewer
-ROOM = 8.0  # how many times the error a value may be off that is left out
+ROOM = 16.0  # how many times the error a value may be off that is left out
 
 
 def shortest(value: float, error: float) -> float:

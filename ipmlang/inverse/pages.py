@@ -70,11 +70,13 @@ def folded(
     exact, decimals = page.exact / extent, page.decimals(points)
     grain = 0.0 if decimals is None else 10.0**-decimals
     rounded = NEAREST * grain / extent
+    near: Recursion | None = None
     if grain:
-        found = fold(start, end, styles=styles, tolerance=rounded, grain=grain, seconds=ROUNDED)
-        if found is not None:
-            return found, None if found.error <= page.exact else decimals
-    found = fold(start, end, styles=styles, tolerance=exact)
+        near = fold(start, end, styles=styles, tolerance=rounded, grain=grain, seconds=ROUNDED)
+        if near is not None and near.error > page.exact:
+            return near, decimals
+    # Where rounding moved nothing, exact points leave less choice and shorter rules.
+    found = fold(start, end, styles=styles, tolerance=exact) or near
     if found is not None or not repeats:
         return found, None
     found = fold_repeats(start, end, closed=closed, tolerance=exact)

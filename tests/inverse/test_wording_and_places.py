@@ -14,6 +14,7 @@ from inverse.synth import circle, copies, drawing, grid, leaf, line, polygon, st
 import ipmlang
 from ipmlang.compiler.format import format_grammar
 from ipmlang.formats.drawing import DrawnElement, Floats, Outline, Style
+from ipmlang.inverse import infer
 from ipmlang.inverse.attempt import best_grammar
 
 PEN = Style(fill="none", stroke="#204060")
@@ -94,3 +95,16 @@ def test_pens_are_as_wide_as_they_were_told_to_be(tmp_path: Path) -> None:
     out = path.with_suffix(".svg")
     ipmlang.save(ipmlang.load(path).run(), out)
     assert 'stroke-width="0.8"' in out.read_text()
+
+
+def test_rounded_shapes_have_their_names(tmp_path: Path) -> None:
+    """Ids that programs give by themselves say nothing."""
+    source = tmp_path / "drawn.svg"
+    source.write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 200 100">'
+        '<rect class="cls-1" x="10" y="10" width="30" height="20" rx="4"/>'
+        '<rect id="patch_7" x="50" y="10" width="30" height="12" rx="6"/>'
+        '<path class="st0" d="M100 30L120 30A20 20 0 0 0 114 16z"/>'
+        '<path d="M10 60h20v10c0 5-5 10-10 10h-10z"/></svg>'
+    )
+    assert "asset rect, pill, sector, curve in" in infer(source).text
