@@ -17,14 +17,14 @@ from ipmlang.formats.drawing import Drawing
 from ipmlang.inverse.boards import Block, Board, with_boards, with_figures
 from ipmlang.inverse.coats import merged_styles
 from ipmlang.inverse.compare import Comparison
+from ipmlang.inverse.counts import Counts, counts_of, gridded
 from ipmlang.inverse.curves import with_curves
 from ipmlang.inverse.deviations import rule_errors
-from ipmlang.inverse.explanation import Explanation, explain
-from ipmlang.inverse.folding import rules_drawn
+from ipmlang.inverse.explanation import Explanation, explain, printed_names
+from ipmlang.inverse.folding import MOST_ROWS, rules_drawn
 from ipmlang.inverse.grammar_file import (
     Subject,
     Written,
-    occurrences,
     symbol_names,
     write_grammar,
 )
@@ -71,15 +71,6 @@ class Made:
     explanation: Explanation | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Counts:
-    """Rules, those used twice or more, and the share of elements under them."""
-
-    rules: int
-    twice: int
-    explained: float
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Attempt:
     """A file that could be the answer, in a word how it was found, what it takes in tokens, and for
@@ -117,7 +108,7 @@ def best_grammar(
     plain = Subject(observed, alone, stem, given.rounding, use_tables=False)
     flat_book = make_book(alone.alphabet, alone.string)
     flat_file = write_grammar(flat_book, plain)
-    flat_tokens, none = flat_file.tokens, _counts(flat_book, len(observed))
+    flat_tokens, none = flat_file.tokens, counts_of(flat_book, len(observed))
     if options.similarity < 1:
         goal = _ideal(goal, flat_file)
     attempts: list[Attempt] = []
@@ -185,7 +176,7 @@ def _better(found: Found, regular: list[Found], symmetrize: bool) -> Found:
     most = NOISE_TOKENS * found.written.ruled + 40
     better = [found, *(each for each in regular if each.written.ruled <= most)]
     elements = len(found.subject.observed)
-    ruled = {id(each): _counts(each.book, elements).explained for each in better}
+    ruled = {id(each): counts_of(each.book, elements).explained for each in better}
     if symmetrize:
         return min(better, key=lambda each: (-round(ruled[id(each)], 2), each.written.weight))
     return min(better, key=lambda each: each.written.weight)
@@ -220,7 +211,7 @@ def _written_out(found: Found, elements: int) -> list[Attempt]:
     """The rules as they are printed, and with every digit."""
     book, exact = found.book, replace(found.subject, share=1e-12)
     tokens = found.written.tokens
-    counts = _gridded(_counts(book, elements), found.written, elements)
+    counts = gridded(counts_of(book, elements), found.written, elements)
     return [
         Attempt("rules", lambda: found.written, counts, tokens, found.written.spared),
         Attempt("rules", lambda: write_grammar(book, exact), counts, tokens, found.written.spared),
@@ -230,11 +221,16 @@ def _written_out(found: Found, elements: int) -> list[Attempt]:
 def _folded(found: Found, elements: int) -> list[Attempt]:
     """The rules with parameters, where that is shorter."""
     written = write_grammar(found.book, replace(found.subject, folded=True))
+    if written.folded is not None and written.folded.passed:
+        found.journal.note(
+            f"rules with parameters were not looked for among {written.folded.passed:,} "
+            f"placements, which are more than {MOST_ROWS:,}"
+        )
     if written.folded is None or written.ruled >= found.written.ruled:
         return []
     if written.tokens > AS_SHORT * found.written.tokens:
         return []
-    counts = _counts(found.book, elements)
+    counts = counts_of(found.book, elements)
     drawn = rules_drawn(written.folded.rules).values()
     explained = counts.explained - written.folded.loose / max(1, elements)
     own = Counts(len(drawn), sum(often > 1 for often in drawn), explained)
@@ -245,16 +241,9 @@ def _tables(written: Written, elements: int, named: int) -> Attempt:
     """Tables alone; what stands on grids is explained by them, but not shorter for naming nothing;
     named: tokens of the attributes that rules have.
     """
-    counts = _gridded(Counts(0, 0, 0.0), written, elements)
+    counts = gridded(Counts(0, 0, 0.0), written, elements)
     more = written.spared + ROW * written.rows + (named if written.gridded[0] else 0)
     return Attempt("tables", lambda: written, counts, written.tokens, more)
-
-
-def _gridded(counts: Counts, written: Written, elements: int) -> Counts:
-    """With tables on grids as rules, whose cells are elements at least."""
-    grids, cells = written.gridded
-    explained = min(1.0, counts.explained + cells / max(1, elements))
-    return Counts(counts.rules + len(grids), counts.twice, explained)
 
 
 def _recursive(subject: Subject) -> list[Attempt]:
@@ -304,7 +293,7 @@ def _beside_boards(goal: Goal, plain: Subject, way: Way) -> list[Attempt]:
     if made is None:
         return []
     book, subject = made
-    counts = _counts(book, len(goal.observed))
+    counts = counts_of(book, len(goal.observed))
     blocks = _boards(book, subject)
     if len(blocks) < len(boards):  # a rule has bound what stands on one
         return []
@@ -361,6 +350,8 @@ def _first_right(
         if comparison.agrees(limit):
             flat = flat_tokens + round(attempt.spared)
             report = _report(goal, attempt, written, comparison, flat)
+            if found is not None:
+                report = replace(report, notes=found.journal.notes)
             if found is not None and attempt.name == "rules" and goal.options.mode != "exact":
                 report = replace(report, rule_errors=_rule_errors(found))
             explained = None if found is None else _explanation(goal, found, attempts, attempt)
@@ -417,30 +408,11 @@ def _explanation(
     if not goal.options.explain:
         return None
     tokens = {each.name: each.tokens for each in attempts}
-    names = symbol_names(found.book, found.subject)
+    given = symbol_names(found.book, found.subject)
+    there = printed_names(chosen.write().grammar)  # folding and tables leave some rules out
+    names = {symbol: name for symbol, name in given.items() if name in there}
     alphabet = found.subject.instanced.alphabet
     return explain(found.journal, alphabet, names, tuple(tokens.items()), chosen.name)
-
-
-def _explained(book: Book, rule: int) -> int:
-    """How many elements of a body are drawn by rules, those of groups written out in it too."""
-    total, waiting = 0, [rule]
-    inlined, structures = book.inlined(), set(book.rules())
-    while waiting:
-        for part, rows in book.bodies[waiting.pop()].rows.items():
-            if part in inlined:
-                waiting += [part] * len(rows)
-            elif part in structures or part in book.family:
-                total += int(book.size[part]) * len(rows)
-    return total
-
-
-def _counts(book: Book, elements: int) -> Counts:
-    drawn = occurrences(book)
-    written = book.inlined() | {AXIOM}
-    rules = [rule for rule in book.rules() if rule not in written]
-    explained = _explained(book, AXIOM) / max(1, elements)
-    return Counts(len(rules), sum(drawn[rule] > 1 for rule in rules), explained)
 
 
 def _report(

@@ -29,7 +29,8 @@ def grammar_of_drawing(
         from ipmlang.inverse.regular import grammar_of
 
         made = grammar_of(drawing, stem, flat, say, options)
-    report = replace(made.report, source_bytes=drawing.source_bytes, notes=_notes(drawing))
+    notes = (*_notes(drawing), *made.report.notes)
+    report = replace(made.report, source_bytes=drawing.source_bytes, notes=notes)
     return Found(made.grammar, made.parts.encode("utf-8"), ".svg", report, made.explanation)
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 
+from ipmlang.compiler import ast
 from ipmlang.inverse.lsystem.journal import Journal, Trial
 from ipmlang.inverse.lsystem.symbols import Alphabet
 
@@ -62,12 +63,14 @@ class Told:
 @dataclass(frozen=True, slots=True)
 class Explanation:
     """What competed. attempts: whole grammars with their tokens, in the order in which they were
-    proven; chosen: the first that was right; rounds: of the search behind the rules.
+    proven; chosen: the first that was right; rounds: of the search behind the rules; notes: what
+    was not looked for.
     """
 
     attempts: tuple[tuple[str, int], ...]
     chosen: str
     rounds: tuple[Told, ...]
+    notes: tuple[str, ...] = ()
 
     def as_records(self) -> list[dict[str, object]]:
         """The rounds, for JSON."""
@@ -83,6 +86,7 @@ class Explanation:
             if each.more:
                 lines.append(f"  and {each.more} more, {each.more_taken} of them taken")
         tokens = ", ".join(f"{name} {count}" for name, count in self.attempts)
+        lines += [f"note: {note}" for note in self.notes]
         return "\n".join([*lines, f"chosen: {self.chosen} (tokens: {tokens})"]) + "\n"
 
 
@@ -107,7 +111,14 @@ def explain(
         )
         for each in journal.rounds
     )
-    return Explanation(attempts, chosen, rounds)
+    return Explanation(attempts, chosen, rounds, journal.notes)
+
+
+def printed_names(grammar: ast.Grammar) -> frozenset[str]:
+    """What rules and assets of a printed grammar are called."""
+    rules = {item.head.name for item in grammar.items if isinstance(item, ast.Rule)}
+    assets = {name for item in grammar.items if isinstance(item, ast.Asset) for name in item.names}
+    return frozenset(rules | assets)
 
 
 def _tried(trial: Trial, spelled: Callable[[int], str]) -> Tried:

@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -175,6 +176,30 @@ def test_the_explanation_names_what_won_and_what_was_refused() -> None:
     assert "-> RectRow" in explanation.text
     assert explanation.chosen == "rules"
     assert dict(explanation.attempts)["flat"] > dict(explanation.attempts)["rules"]
+
+
+def test_only_rules_that_are_printed_have_names() -> None:
+    random = np.random.default_rng(4)
+    ladders = [
+        copies(rectangle(3, 20), row(6, (4 + k, 0), (40 * k, float(50 + random.uniform(0, 9)))))
+        for k in range(6)
+    ]
+    made = made_of([each for ladder in ladders for each in ladder], Options(explain=True))
+    assert made.explanation is not None
+    text = format_grammar(made.grammar)
+    tried = [trial for told in made.explanation.rounds for trial in told.tried]
+    named = {each.name for each in tried if each.name.isidentifier()}
+    assert all(name in text for name in named)
+    assert any(each.outcome == "taken" for each in tried)
+
+
+def test_folding_that_is_given_up_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    folding = import_module("ipmlang.inverse.folding.fold")
+    monkeypatch.setattr(folding, "MOST_ROWS", 3)
+    made = made_of(broken_row(), Options(explain=True))
+    assert made.explanation is not None
+    assert any("rules with parameters were not looked for" in note for note in made.report.notes)
+    assert "note: rules with parameters" in made.explanation.text
 
 
 def test_what_a_better_cluster_has_taken_is_told() -> None:

@@ -5,6 +5,6 @@ Takes rules as they are printed, gives fewer and shorter ones that draw the same
 """
 
 from ipmlang.inverse.folding.counting import rules_drawn
-from ipmlang.inverse.folding.fold import Folded, fold
+from ipmlang.inverse.folding.fold import MOST_ROWS, Folded, fold
 
-__all__ = ["Folded", "fold", "rules_drawn"]
+__all__ = ["MOST_ROWS", "Folded", "fold", "rules_drawn"]

@@ -40,12 +40,13 @@ MOST_ROWS = 3000  # rows among which stretches are looked for
 @dataclass(frozen=True, slots=True)
 class Folded:
     """Rules that draw the same, the axiom first; spared: tokens that they take less; loose: how
-    many more terminals stand in the axiom itself.
+    many more terminals stand in the axiom itself; passed: rows that are too many to be folded.
     """
 
     rules: tuple[ast.Rule, ...]
     spared: int = 0
     loose: int = 0
+    passed: int = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,7 +73,7 @@ def fold(rules: Sequence[ast.Rule], error: float, taken: Set[str]) -> Folded:
     given, known = rounding(error), Known()
     first = read_book(rules, given)
     if first.length() > MOST_ROWS:
-        return Folded(tuple(rules))
+        return Folded(tuple(rules), passed=first.length())
     before, loose = printed_tokens(rules), first.loose()
     counted = PrintedTokens(RepeatTokens(first.known, first.leaving))
     best: tuple[int, Book | None] = 0, None

@@ -48,9 +48,14 @@ class Round:
 
 @dataclass(slots=True)
 class Journal:
-    """The rounds of one search, in order."""
+    """The rounds of one search, in order; notes: what was not looked for, in words."""
 
     rounds: list[Round] = field(default_factory=list)
+    notes: tuple[str, ...] = ()
+
+    def note(self, text: str) -> None:
+        """Say once what was not looked for."""
+        self.notes = (*(each for each in self.notes if each != text), text)
 
     def add(self, left: int, trials: list[Trial]) -> None:
         """Note a round; trials by what they are worth."""
