@@ -29,6 +29,7 @@ from ipmlang.inverse.parts.pieces import Pieces, piece_mesh, sorted_pieces, with
 from ipmlang.inverse.parts.scaling import likenesses
 from ipmlang.inverse.parts.segmenting import segmented
 from ipmlang.inverse.parts.soup import Soup, gathered
+from ipmlang.inverse.parts.uprighting import upright
 from ipmlang.inverse.parts.upward import upward
 from ipmlang.inverse.parts.welding import connected_faces, welded
 
@@ -84,6 +85,7 @@ def observe_with_faces(
     up_in_file: Literal["y-up", "z-up"] = "y-up" if turned else "z-up"
     mesh = straightened(mesh, -turn) if turn else mesh
     source_bytes = path.stat().st_size
+    parts = upright(parts) if own_axes else parts
     return replace(parts, up=up_in_file, turn=turn, source_bytes=source_bytes), mesh
 
 

@@ -7,6 +7,8 @@ is moved onto itself. Nothing here counts tokens but to choose how a body is tur
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ipmlang.inverse.frames import (
@@ -17,19 +19,24 @@ from ipmlang.inverse.frames import (
     compose,
     from_matrices,
     inverse,
+    linear,
     matrices,
     moved_to,
 )
 from ipmlang.inverse.parts.plainest import snapped, turned_plainly
+from ipmlang.inverse.parts.uprighting import by_hand
 from ipmlang.inverse.split.cost import placement_tokens
 from ipmlang.inverse.split.search.drafts import Draft, Limits, Motif, motif_box
 from ipmlang.inverse.split.search.fields import Field, field_of, look_up_moved, standing
 from ipmlang.inverse.split.search.figures import MOST_FRAMES
 from ipmlang.inverse.split.search.growth import Grown
+from ipmlang.inverse.split.snapping import Flags
+from ipmlang.inverse.split.turning import tidy
 
 TOGETHER = 512  # lookups at a time
 NEARLY = 1e-4  # how far turns may be from plain ones that are tried in their place
 PLAINER = 0.5  # of the error that there may be, where a turn is plain
+ASKEW = 10.0  # tokens that it may take more to draw a body upright that stands in no order
 TRIED = 6  # occurrences whose own way of standing the body may take
 
 
@@ -148,18 +155,50 @@ def _moved(motion: Floats, points: Floats) -> Floats:
 
 
 def _turned(draft: Draft, rows: Integers, places: Frames, limits: Limits) -> Motif:
-    """The motif whose body is turned as the occurrence that makes all of it shortest."""
-    best, least = None, np.inf
+    """The motif whose body is turned as the occurrence that makes all of it shortest, or as one of
+    its own parts: what stands askew everywhere is drawn upright.
+    """
+    ways = []
     for index in range(min(TRIED, len(rows))):
-        inside = draft.frames[rows[index]]
         outside = compose(places, inverse(places[index : index + 1]))
-        moved = Motif(rows, outside, inside)
-        effort = float(placement_tokens(inside, limits.small).sum())
-        effort += float(placement_tokens(outside, limits.small).sum())
+        ways.append(Motif(rows, outside, draft.frames[rows[index]]))
+    home = _at_home(draft, rows)
+    best = _shortest(ways, home, limits)
+    turned = [
+        Motif(rows, compose(best.places, turn), tidy(compose(inverse(turn), best.inside)))
+        for turn in _askew(best.inside)
+    ]
+    more = ASKEW if turned and by_hand(best.places) else 0.0
+    return _cornered(draft, _shortest([best, *turned], home, limits, more), limits)
+
+
+def _at_home(draft: Draft, rows: Integers) -> Flags:
+    """(m,) which parts of a body stand nowhere else: their shapes are drawn where they stand."""
+    symbol = draft.symbol[rows[0]]
+    amount = np.bincount(draft.symbol, minlength=len(draft.figures))[symbol]
+    return np.asarray((symbol < draft.classes) & (amount == len(rows)))
+
+
+def _shortest(ways: list[Motif], home: Flags, limits: Limits, more: float = 0.0) -> Motif:
+    """The shortest of some ways; the others may be longer than the first by so many tokens."""
+    best, least = ways[0], np.inf
+    for number, each in enumerate(ways):
+        inside = placement_tokens(each.inside, limits.small)
+        effort = float(inside[~home].sum() + placement_tokens(each.places, limits.small).sum())
+        effort -= more * (number > 0)
         if effort < least - 0.5:
-            best, least = moved, effort
-    assert best is not None
-    return _cornered(draft, best, limits)
+            best, least = each, effort
+    return best
+
+
+def _askew(inside: Frames) -> list[Frames]:
+    """Turns, one row each, that parts of a body stand in and that are no quarter turns."""
+    turn = np.round(linear(inside), 9) + 0.0
+    whole = np.abs(turn - np.round(turn)).max(axis=(1, 2)) < NEARLY
+    rows = np.flatnonzero(~whole & (inside.hand > 0) & (np.abs(inside.scale - 1) < NEARLY))
+    _, first = np.unique(turn[rows].reshape(len(rows), 9), axis=0, return_index=True)
+    still = np.zeros((1, 3))
+    return [replace(inside[row : row + 1], position=still) for row in rows[first[:TRIED]].tolist()]
 
 
 def _cornered(draft: Draft, motif: Motif, limits: Limits) -> Motif:
