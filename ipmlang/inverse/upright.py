@@ -120,10 +120,16 @@ def _places_of(book: Book, part: int) -> Frames:
     return join([body.places[rows] for body, rows in named if len(rows)])
 
 
+def _are_plain(places: Frames) -> bool:
+    """Whether all are moved alone."""
+    turned = places.angle.any() or (places.scale != 1).any()
+    return not turned and bool((places.handedness > 0).all())
+
+
 def _turn_rule(book: Book, alphabet: Alphabet, rule: int) -> None:
     """Give a rule the frame, among those of its uses, that takes fewest tokens in all."""
     uses = _places_of(book, rule)
-    if not len(uses):
+    if _are_plain(uses):
         return
     nowhere = np.zeros(len(uses.x), np.complex128)
     back = inverse(frames(nowhere, uses.angle, uses.scale, uses.handedness))
@@ -151,6 +157,8 @@ def _turn_terminals(book: Book, alphabet: Alphabet) -> None:
         if part in outside or part in book.assets or in_loop(book, part):
             continue
         uses = _places_of(book, part)
+        if _are_plain(uses):
+            continue
         nowhere = np.zeros(len(uses), np.complex128)
         options = inverse(frames(nowhere, uses.angle, uses.scale, uses.handedness))[:CANDIDATES]
         costs = placement_tokens(compose(uses, options[:, None]), book.small).sum(axis=1)

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from heapq import heappop, heappush
 from itertools import accumulate, pairwise
+from operator import attrgetter
 from typing import TypeAlias
 
 import numpy as np
@@ -18,16 +19,16 @@ from numpy.typing import NDArray
 
 from ipmlang.inverse.folding.book import Book, Stretch
 from ipmlang.inverse.folding.fits import HEAD, READ
-from ipmlang.inverse.folding.known_rows import KnownRows, Path, Rows
+from ipmlang.inverse.folding.known_rows import Listed, Path
 from ipmlang.inverse.folding.rows import Row
 from ipmlang.inverse.folding.symbols import given_symbols
 from ipmlang.inverse.lsystem.repeats import apart, find_repeats
 
 Integers = NDArray[np.int64]
-Alike: TypeAlias = Callable[[KnownRows, Rows], list[int]]
+Alike: TypeAlias = Callable[[Listed], Sequence[int]]
 
-KIND: Alike = KnownRows.kinds  # numbers may differ
-FORM: Alike = KnownRows.forms  # symbols, too
+KIND: Alike = attrgetter("kinds")  # numbers may differ
+FORM: Alike = attrgetter("forms")  # symbols, too
 
 OFTEN = 12  # repeats of one order of magnitude in length
 LONG = 12  # tokens of a bracket that may be a rule of its own
@@ -68,13 +69,15 @@ class _Lines:
 
 def _lines(book: Book, alike: Alike) -> _Lines:
     known, lines = book.known, _Lines(book, [], [], [], [], [])
-    for name, path, rows in book.stretches():
-        if rows:
-            lines.homes.append((name, path))
-            lines.first.append(len(lines.rows))
-            lines.rows.extend(rows)
-            lines.kinds.extend(alike(known, rows))
-    lines.total.extend(accumulate([row.tokens for row in lines.rows], initial=0))
+    tokens: list[int] = []
+    for name, rows in book.plain.items():
+        own, before = known.listed(rows), len(lines.rows)
+        lines.homes.extend([(name, path) for path in own.paths])
+        lines.first.extend([before + each for each in own.first])
+        lines.rows.extend(own.rows)
+        lines.kinds.extend(alike(own))
+        tokens.extend(own.tokens)
+    lines.total.extend(accumulate(tokens, initial=0))
     return lines
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import accumulate
 from typing import TypeAlias
 
 import numpy as np
@@ -21,6 +22,22 @@ from ipmlang.inverse.lsystem.frames import Frames, compose, wrap
 
 Rows: TypeAlias = "tuple[Row, ...]"
 Path: TypeAlias = "tuple[int, ...]"  # from a rule's rows down to those of an inner row
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Listed:
+    """The rows of a rule, those in brackets after the sequence that the bracket stands in.
+
+    paths, first: of each sequence, from the rule down, and where it begins; rows: of all, with what
+    each takes, and the numbers of its kind and form.
+    """
+
+    paths: list[Path]
+    first: list[int]
+    rows: list[Row]
+    tokens: list[int]
+    kinds: list[int]
+    forms: list[int]
 
 
 @dataclass(slots=True, eq=False)
@@ -38,8 +55,7 @@ class KnownRows:
     _kind_of: dict[int, tuple[Row, int]] = field(default_factory=dict)
     _form_of: dict[int, tuple[Row, int]] = field(default_factory=dict)
     _rules: dict[tuple[int, ...], Rows] = field(default_factory=dict)
-    _kinds_of: dict[int, tuple[Rows, list[int]]] = field(default_factory=dict)
-    _forms_of: dict[int, tuple[Rows, list[int]]] = field(default_factory=dict)
+    _listed: dict[int, tuple[Rows, Listed]] = field(default_factory=dict)
     _inside: dict[int, tuple[Rows, list[tuple[Path, Rows]]]] = field(default_factory=dict)
     _written: dict[tuple[int, int], tuple[Row, Rows, Rows]] = field(default_factory=dict)
     _named: dict[int, tuple[Rows, Mapping[str, int]]] = field(default_factory=dict)
@@ -127,19 +143,24 @@ class KnownRows:
             found = self._form_of[id(row)] = row, self._forms.setdefault(key, len(self._forms))
         return found[1]
 
-    def kinds(self, rows: Rows) -> list[int]:
-        """The number of each row's kind."""
-        found = self._kinds_of.get(id(rows))
+    def listed(self, rows: Rows) -> Listed:
+        """The rows of a rule, those in brackets too."""
+        found = self._listed.get(id(rows))
         if found is None:
-            found = self._kinds_of[id(rows)] = rows, [self.kind(row) for row in rows]
+            found = self._listed[id(rows)] = rows, self._list(rows)
         return found[1]
 
-    def forms(self, rows: Rows) -> list[int]:
-        """The number of each row's form."""
-        found = self._forms_of.get(id(rows))
-        if found is None:
-            found = self._forms_of[id(rows)] = rows, [self.form(row) for row in rows]
-        return found[1]
+    def _list(self, rows: Rows) -> Listed:
+        sequences = [(path, own) for path, own in self.inside(rows) if own]
+        every = [row for _, own in sequences for row in own]
+        return Listed(
+            [path for path, _ in sequences],
+            list(accumulate((len(own) for _, own in sequences[:-1]), initial=0)),
+            every,
+            [row.tokens for row in every],
+            [self.kind(row) for row in every],
+            [self.form(row) for row in every],
+        )
 
     def inside(self, rows: Rows) -> Sequence[tuple[Path, Rows]]:
         """The rows of a rule, and those in brackets, each with the path to them."""

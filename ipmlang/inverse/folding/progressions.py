@@ -80,6 +80,8 @@ class RepeatTokens:
         """Of a row by itself."""
         if not row.inner and row.name not in self.leaving:
             return row.tokens
+        if row.inner and not row.turning:
+            return row.tokens - sum(each.tokens for each in row.inner) + self.of(row.inner)
         found = self._runs.get((id(row),))
         if found is None:
             made = _one(row, self.known.given, self.leaving)

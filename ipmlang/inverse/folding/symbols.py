@@ -38,7 +38,9 @@ def given_symbols(stretches: Sequence[Sequence[Row]], bound: Set[str]) -> Given 
     """The parameters that are symbols; bound: names that no parameter can be. None where there
     would be too many.
     """
-    table = [[name for row in rows for name in row.names] for rows in stretches]
+    table = [tuple([name for row in rows for name in row.names]) for rows in stretches]
+    if len(set(table)) == 1:
+        return Given(tuple(stretches[0]), ((),) * len(stretches))
     marks: dict[tuple[str, ...], str] = {}
     shown: list[str] = []
     for column in zip(*table, strict=True):
