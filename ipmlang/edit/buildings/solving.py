@@ -102,7 +102,7 @@ def factor(own: Equations, fixed: Integers) -> Factored:
         return Factored(own, fixed, free, (a, b), None)
     weight = np.repeat(own.weight, np.diff(a.indptr))
     heavy = sparse.csr_matrix((a.data * weight, a.indices, a.indptr), a.shape)
-    normal = (a.T @ heavy + REGULAR * sparse.eye(len(free), format="csc")).tocsc()
+    normal = (heavy.T @ a + REGULAR * sparse.eye(len(free), format="csc")).tocsc()
     options = {"SymmetricMode": True}
     solver = splu(normal, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
     return Factored(own, fixed, free, (a, b), solver.solve)
