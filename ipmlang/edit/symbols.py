@@ -274,7 +274,7 @@ _ASKING: Mapping[type, str] = {
 
 class Asked:
     """The names that trees ask for, each tree gone through once as long as this lives: an edit
-    asks for those of rules that stay again and again.
+    asks for those of rules that stay again and again. What was known before is known, too.
 
     >>> body = (ast.Module("A"), ast.Module("A"), ast.Module("roofs.Hip"))
     >>> asked = Asked()
@@ -282,8 +282,8 @@ class Asked:
     (['A', 'A', 'roofs.Hip'], ['A', 'roofs', 'roofs.Hip'])
     """
 
-    def __init__(self) -> None:
-        self._known: _Known = {}
+    def __init__(self, before: Asked | None = None) -> None:
+        self._known: _Known = {} if before is None else dict(before._known)
 
     def every(self, tree: object) -> tuple[str, ...]:
         """The names that a tree asks for, each as often as it does."""

@@ -22,7 +22,7 @@ from ipmlang.edit.buildings.measuring import BOX, Measured, Unit, measured
 from ipmlang.edit.buildings.regularity import Part
 from ipmlang.edit.buildings.rows import Room, laid_out
 from ipmlang.edit.buildings.tree import BOUND, Tree
-from ipmlang.edit.symbols import Asked, Elements, nodes, taken_names
+from ipmlang.edit.symbols import Asked, Elements, nodes
 from ipmlang.inverse.frames import Floats, Frames
 from ipmlang.inverse.numbers import shortest
 from ipmlang.inverse.split.placing import Precision, spots, steps_to
@@ -53,12 +53,12 @@ class Forms:
     _fitted: dict[object, str] = field(default_factory=dict)
     _labels: dict[str, str] = field(default_factory=dict)
     baking: Baking | None = None
-    asked: Asked = field(default_factory=Asked)
+    asked: Asked = field(init=False)
     _modules: dict[int, dict[int, ast.Module]] = field(default_factory=dict)
     measured: Measured = field(init=False)
 
     def __post_init__(self) -> None:
-        self.measured = measured(self.tree)
+        self.measured, self.asked = measured(self.tree), Asked(self.tree.asked)
 
     # --------------------------------------------------------------------------- as it is
 
@@ -239,13 +239,8 @@ class Forms:
 
     def new_name(self, wish: str) -> str:
         """A name that nothing bears yet, taken from here on."""
-        from ipmlang.compiler.ops import FUNCTIONS, OPERATIONS
-
-        if not self._taken:
-            taken = taken_names(self.tree.draft.grammar, self.asked)
-            self._taken |= taken | OPERATIONS.keys() | FUNCTIONS.keys()
         number, name = 2, wish
-        while name in self._taken or name in self.rules:
+        while name in self._taken or name in self.tree.taken or name in self.rules:
             name, number = f"{wish}_{number}", number + 1
         self._taken.add(name)
         return name

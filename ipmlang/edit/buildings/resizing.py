@@ -111,7 +111,7 @@ def resize(
         found = driven(tree, meant)
         if found is not None:
             return found
-        forms.tree = replace(tree, draft=_told(draft, meant.refused))
+        forms.tree = tree.of(_told(draft, meant.refused))
     return _stretched(forms, picked, aim / np.where(size > 0, size, 1.0), wanted.along)
 
 

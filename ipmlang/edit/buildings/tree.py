@@ -27,6 +27,7 @@ from ipmlang.edit.buildings.contacts import neighbours
 from ipmlang.edit.draft import Draft, Drawn
 from ipmlang.edit.files import files_with
 from ipmlang.edit.saving import about, staged
+from ipmlang.edit.symbols import Asked, taken_names
 from ipmlang.inverse.frames import (
     Floats,
     Frames,
@@ -103,6 +104,19 @@ class Tree:
     terminals: Terminals
     meshes: Mapping[int, Mesh]
     stamps: tuple[tuple[str, int, int], ...] = ()
+
+    @cached_property
+    def asked(self) -> Asked:
+        """The names that the items of its grammar ask for."""
+        return Asked()
+
+    @cached_property
+    def taken(self) -> frozenset[str]:
+        """All names that stand in its grammar, of operations and functions, too."""
+        from ipmlang.compiler.ops import FUNCTIONS, OPERATIONS
+
+        taken = taken_names(self.draft.grammar, self.asked)
+        return frozenset(taken | OPERATIONS.keys() | FUNCTIONS.keys())
 
     @cached_property
     def asking(self) -> Asking:
