@@ -116,5 +116,8 @@ def test_names_that_are_remembered_are_those_that_are_asked_for(folder: Path, na
             assert asked.names(each) == used_names(each)
             slow = [node.name for node in nodes(each) if isinstance(node, ast.Module)]
             assert set(slow) <= used_names(each)
+    later, known = Asked(asked), len(asked._known)
+    assert later.names((ast.Module("new"), *bodies)) == {"new"} | used_names(tuple(bodies))
+    assert len(asked._known) == known
     assert needed_names(grammar, asked) == needed_names(grammar)
     assert taken_names(grammar, asked) == taken_names(grammar)

@@ -14,7 +14,8 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from ipmlang.edit.buildings.tree import Maps, Tree, maps_of
+from ipmlang.edit.buildings.placements import Maps, maps_of
+from ipmlang.edit.buildings.tree import Tree
 from ipmlang.inverse.frames import Floats, Frames, compose, from_matrices, identity, inverse, linear
 from ipmlang.runtime.scene import SCOPE
 

@@ -24,6 +24,7 @@ from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail, nearest
 from ipmlang.compiler.load import load_text
 from ipmlang.edit.buildings.asking import Asking
 from ipmlang.edit.buildings.contacts import neighbours
+from ipmlang.edit.buildings.placements import Maps, Terminals, maps_of
 from ipmlang.edit.draft import Draft, Drawn
 from ipmlang.edit.files import files_with
 from ipmlang.edit.saving import about, staged
@@ -49,42 +50,6 @@ TEXTS = ("color", "fill", "stroke", "css", "material", "texture", "label")
 BOUND = ("uv", "join", "effect")  # of the state: what cannot be said apart from where it was made
 UPRIGHT: Floats = np.eye(3)
 PENS = frozenset({*TEXTS, *BOUND, "width", "layer"})
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Terminals:
-    """m drawn things: frames; low, high (m, 3): their boxes in their own axes; label (m,) names."""
-
-    frames: Frames
-    low: Floats
-    high: Floats
-    labels: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Maps:
-    """n frames as maps of points: out, into (n, 3, 3) and origin (n, 3), such that `into @ point +
-    origin` is a point of the world in the frame; turn (n, 3, 3): their axes, as columns.
-    """
-
-    turn: Floats
-    out: Floats
-    into: Floats
-    origin: Floats
-
-    def __getitem__(self, row: int) -> Maps:
-        """Those of one, without the n."""
-        return Maps(self.turn[row], self.out[row], self.into[row], self.origin[row])
-
-
-def maps_of(frames: Frames) -> Maps:
-    """Frames as maps of points."""
-    out = linear(frames)
-    turn = out / frames.scale[:, None, None]
-    turn[:, :, 0] *= frames.hand[:, None]
-    into = turn.transpose(0, 2, 1) / frames.scale[:, None, None]
-    into[:, 0] *= frames.hand[:, None]
-    return Maps(turn, out, into, np.einsum("nij,nj->ni", into, -frames.position))
 
 
 @dataclass(frozen=True, eq=False)
