@@ -159,7 +159,11 @@ def joined(columns: Sequence[Column], counts: Sequence[int]) -> Column:
     ):
         return first
     pairs = zip(columns, counts, strict=True)
-    return np.concatenate([
-        column if isinstance(column, np.ndarray) and column.shape == (n,) else np.full(n, column)
-        for column, n in pairs
-    ])
+    return np.concatenate(
+        [
+            column
+            if isinstance(column, np.ndarray) and column.shape == (n,)
+            else np.full(n, column)
+            for column, n in pairs
+        ]
+    )
