@@ -14,11 +14,14 @@ from ipmlang.compiler.format import format_grammar
 from ipmlang.compiler.parse import parse
 from ipmlang.compiler.tokens import count_text_tokens
 from ipmlang.inverse.folding import fold
+from ipmlang.inverse.folding.book import Covered, Stretch
 from ipmlang.inverse.folding.fold import Known, _fitted
+from ipmlang.inverse.folding.known_rows import KnownRows
+from ipmlang.inverse.folding.lengths import row_lengths
 from ipmlang.inverse.folding.pivots import about_points
 from ipmlang.inverse.folding.printing import printed_tokens
-from ipmlang.inverse.folding.progressions import with_repeats
-from ipmlang.inverse.folding.rows import Row, with_numbers
+from ipmlang.inverse.folding.progressions import RepeatTokens, with_repeats
+from ipmlang.inverse.folding.rows import Row, element_tokens, rows_of, with_numbers
 from ipmlang.inverse.folding.templates import rounding
 
 THINGS = "Box --> [F(2)]\nDot --> [F(1)]\nBar --> [F(3)]\n"
@@ -233,3 +236,68 @@ def test_the_same_rows_in_other_stretches_are_fitted_anew() -> None:
         stretches = [tuple(rows[k : k + count]) for k in range(0, len(rows), count)]
         found = _fitted(stretches, given, known, -100, frozenset())
         assert found is not None and len(found[0].places) == len(stretches)
+
+
+ROWS = f"""Drawing --> Box {cell(3, -4, 2)} [at(0, 0, 30) Dot] [-(30) *(0.5) mirror Bar]
+    [at(2, 1, 0, 3) Go(2, -1)]
+    [at(4, -2) css("fill:red") Dot [+(20) Bar] [at(1, 1, 5, 0.25) mirror Box]] [effect("a") Box]
+"""  # fmt: skip
+
+
+def read() -> tuple[Row, ...]:
+    return rows_of(rules_of(ROWS)[0].body)
+
+
+def test_lengths_for_many_numbers_at_once_are_those_of_rows() -> None:
+    rows = read()
+    random = np.random.default_rng(3)
+    numbers = np.array([[value for row in rows for value in row.numbers]] * 40)
+    changed = random.random(numbers.shape) < 0.4
+    numbers = np.where(changed, random.choice([-2.5, 0.0, 1.0, 7.0], numbers.shape), numbers)
+    hands = np.array([[row.hand for row in rows]] * 40, np.int8)
+    found = row_lengths(rows).of(1 + (numbers < 0), numbers, hands)
+    wanted = [sum(each.tokens for each in with_numbers(rows, own)) for own in numbers.tolist()]
+    assert found.tolist() == wanted
+    assert len(set(wanted)) > 10
+
+
+def test_rows_that_say_the_same_are_one() -> None:
+    known = KnownRows(rounding(1e-5))
+    one, other = known.read(read()), known.read(read())
+    assert all(a is b for a, b in zip(one, other, strict=True))
+    assert known.rule(one) is known.rule(other)
+    call = Row((3.0, 4.0, 90.0, 2.0), name="Motif")
+    (written,) = known.written_out([call], known.rule(one[:2]))
+    assert [row.frame[:2] for row in written] == [(3.0, 4.0), (11.0, 10.0)]
+    assert all(row.origin == "Motif" for row in written)
+    assert known.written_out([call], known.rule(other[:2]))[0] is written
+
+
+def test_repeats_are_counted_as_they_are_printed() -> None:
+    rows = [Row((8.0 * k, 3.0, 0.0, 1.0), name="Box") for k in range(5)]
+    rows += [*read(), Row(name="Go"), Row(pens=read()[7].pens, inner=tuple(rows))]
+    known = KnownRows(rounding(1e-5))
+    own, leaving = known.read(rows), {"Go"}
+    printed = with_repeats(own, known.given, leaving)
+    assert RepeatTokens(known, leaving).of(own) == sum(map(element_tokens, printed))
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "meet"),
+    [
+        (Stretch("A", (), 2, 3), Stretch("A", (), 4, 2), True),
+        (Stretch("A", (), 2, 3), Stretch("A", (), 5, 2), False),
+        (Stretch("A", (), 2, 3), Stretch("B", (), 2, 3), False),
+        (Stretch("A", (), 2, 3), Stretch("A", (4, 1), 0, 1), True),
+        (Stretch("A", (), 2, 3), Stretch("A", (1, 3), 0, 1), False),
+        (Stretch("A", (4,), 0, 2), Stretch("A", (4,), 2, 1), False),
+        (Stretch("A", (4,), 0, 2), Stretch("A", (4, 1), 5, 1), True),
+    ],
+)
+def test_stretches_meet_where_rows_are_in_both_or_in_one_another(
+    one: Stretch, other: Stretch, meet: bool
+) -> None:
+    for first, second in ((one, other), (other, one)):
+        covered = Covered()
+        covered.add([first])
+        assert covered.meets([second]) is meet
