@@ -159,11 +159,11 @@ def joined(columns: Sequence[Column], counts: Sequence[int]) -> Column:
     ):
         return first
     pairs = zip(columns, counts, strict=True)
-    return np.concatenate(
-        [
-            column
-            if isinstance(column, np.ndarray) and column.shape == (n,)
-            else np.full(n, column)
-            for column, n in pairs
-        ]
-    )
+    return np.concatenate([_repeated(column, n) for column, n in pairs])
+
+
+def _repeated(column: Column, count: int) -> NDArray[np.float64]:
+    """A column with a row for each of so many shapes."""
+    if isinstance(column, np.ndarray) and column.shape == (count,):
+        return column
+    return np.full(count, column)
