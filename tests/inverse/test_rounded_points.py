@@ -56,6 +56,24 @@ def test_rounded_drawings_come_back_to_the_last_digit(
     assert compare(read_svg(path), again).agrees()
 
 
+@pytest.mark.parametrize("decimals", [2, 3, 4])
+def test_far_jumps_of_deep_trees_may_be_off_with_their_segments(decimals: int) -> None:
+    """From a leaf back to the trunk it is twenty times as far as the leaf is long."""
+    found: list[tuple[complex, complex]] = []
+
+    def grow(at: complex, along: complex, left: int) -> None:
+        found.append((at, at + along))
+        for angle, scale in ((28, 0.75), (-20, 0.8)) if left else ():
+            grow(at + along, along * scale * np.exp(1j * np.deg2rad(angle)), left - 1)
+
+    grow(300 + 20j, 120j, 8)
+    start, end = np.round(np.array(found), decimals).T
+    extent = abs(complex(np.ptp(end.real), np.ptp(end.imag)))
+    grain = 10.0**-decimals
+    tree = fold(start, end, tolerance=0.75 * grain / extent, grain=grain)
+    assert tree is not None and tree.steps == 9 and len(tree.rules) == 1
+
+
 def test_all_points_round_to_what_was_given() -> None:
     start, end = (np.round(each * 3.1234567 + 0.77, 1) for each in drawn(SYSTEMS["Koch curve"]))
     found = fold(start, end, tolerance=0.075 / abs(np.ptp(start.real)), grain=0.1)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ipmlang.inverse.lsystem.frames import Complexes, Floats
 
+FAR = 0.5  # of a segment's own slack, which its mean heading has less of
 Integers = NDArray[np.int64]
 
 PLAIN, MIRRORED, REVERSED, BOTH = 0, 1, 2, 3
@@ -106,7 +107,10 @@ def letters(strokes: Strokes) -> list[Integers]:
     seen = [strokes.seen_as(variant) for variant in range(4)]
     every = np.concatenate([_joints(each) for each in seen])
     slack = np.concatenate([2 * strokes.tolerance / np.abs(each.along[:-1]) for each in seen])
-    columns = [clustered(column, slack) for column in every.T]
+    # A far jump is off by what the segment that it is measured with is off, so often.
+    far = slack * (1 + FAR * np.hypot(every[:, 0], every[:, 1]))
+    rooms = (far, far, slack, slack, slack)
+    columns = [clustered(column, room) for column, room in zip(every.T, rooms, strict=True)]
     _, names = np.unique(np.stack(columns, axis=1), axis=0, return_inverse=True)
     return np.split(names.ravel().astype(np.int64), 4)
 
