@@ -20,6 +20,7 @@ MOST_DECIMALS = 7  # of coordinates that were rounded
 NEAREST = 0.75  # of the last decimal: what rounding both coordinates moves a point by, and a bit
 SAME = 1e-12  # of the largest coordinate: what reading a number may be off
 ROUNDED = 5.0  # seconds for a recursion of rounded points
+MANY = 2000  # segments beyond which what is exact is not asked for again
 Integers = NDArray[np.int64]
 
 
@@ -75,6 +76,8 @@ def folded(
         near = fold(start, end, styles=styles, tolerance=rounded, grain=grain, seconds=ROUNDED)
         if near is not None and near.error > page.exact:
             return near, decimals
+        if near is not None and len(start) > MANY:
+            return near, None
     # Where rounding moved nothing, exact points leave less choice and shorter rules.
     found = fold(start, end, styles=styles, tolerance=exact) or near
     if found is not None or not repeats:
