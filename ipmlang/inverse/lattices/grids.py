@@ -95,7 +95,7 @@ def _believable(known: Cloud, net: Net, tests: float) -> bool:
 # ------------------------------------------------------------------------ seeds
 
 
-def _seedings(known: Cloud, used: Mask, share: float) -> Iterator[tuple[list[_Seed], float]]:
+def _seedings(known: Cloud, used: Mask, share: float) -> Iterator[tuple[Iterator[_Seed], float]]:
     """Seeds from the steps common in the cloud, then from each point; and how many were looked at.
 
     A generator, so that the second sees what grids of the first have taken.
@@ -147,7 +147,7 @@ def _own_steps(known: Cloud, used: Mask) -> tuple[Integers, Complexes, Complexes
 
 def _supported(
     known: Cloud, used: Mask, share: float, p: Integers, u: Complexes, v: Complexes
-) -> tuple[list[_Seed], float]:
+) -> tuple[Iterator[_Seed], float]:
     """The parallelograms at p with sides u and v that nodes around agree with, best first."""
     tests = float(len(p))
     area = np.abs((u.conj() * v).imag)
@@ -164,7 +164,7 @@ def _supported(
     count = np.where((rows[:, CORNERS] >= 0).all(axis=1), (rows >= 0).sum(axis=1), 0)
     order = np.lexsort((p, (area / max(known.exact, 1e-300)).round(), -count))
     order = order[count[order] >= (6 if share == 0 else 7)][: 40 * ATTEMPTS]
-    return [_Seed(AROUND[rows[k] >= 0], rows[k][rows[k] >= 0]) for k in order.tolist()], tests
+    return (_Seed(AROUND[each >= 0], each[each >= 0]) for each in rows[order]), tests
 
 
 def _nodes(

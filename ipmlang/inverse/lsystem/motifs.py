@@ -43,10 +43,10 @@ class Motif:
 
 
 def find_motifs(
-    arrangement: Arrangement, labels: Integers, cost: Tabled, small: float
+    arrangement: Arrangement, labels: Integers, cost: Tabled, small: float, least: float = 1.0
 ) -> list[Motif]:
     """Stretches of three symbols or more; labels: (n - 1,) equal for equal steps; cost: of the
-    arrangement; small: units.
+    arrangement; small: units; least: tokens to be saved.
     """
     places: list[Integers] = []
     lengths: list[int] = []
@@ -63,8 +63,8 @@ def find_motifs(
     left = np.add.reduceat(cost.alone[every], begin)
     found = []
     for rows, length, saves, takes in zip(places, lengths, saved, left.tolist(), strict=True):
-        gain = _gain(arrangement, cost, rows, length, float(saves), takes, small)
-        if gain >= 1.0:
+        gain = _gain(arrangement, cost, rows, length, float(saves), takes, small, least)
+        if gain >= least:
             found.append(Motif(gain, rows, length))
     return found
 
@@ -77,14 +77,15 @@ def _gain(
     saved: float,
     left: int,
     small: float,
+    least: float,
 ) -> float:
-    """Tokens that a rule for a stretch saves; saved: by its symbols, left: by what stands for them
-    one by one. What does not pay alone may do so as a row, at the end.
+    """Tokens that a rule for a stretch saves, 0 if less than `least`; saved: by its symbols, left:
+    by what stands for them one by one. What does not pay alone may do so as a row, at the end.
     """
     follows = np.diff(rows) == length
     row = bool((follows[1:] & follows[:-1]).any())
     # Each symbol in the rule takes a token at least.
-    if saved - HEAD - length - (0 if row else left) < 1.0:
+    if saved - HEAD - length - (0 if row and least <= 1.0 else left) < least:
         return 0.0
     inside = relative_places(arrangement.placed, int(rows[0]), length)
     other = np.diff(cost.begin[rows[0] : rows[0] + length]) != 0

@@ -99,17 +99,26 @@ class Search:
     def _round(self) -> bool:
         pairs, steps, loose = self._labels()
         # What a table could hold is cheap: a few pairs in it by chance are not worth a rule.
-        cost, small = self._tabled(), self.alphabet.tolerance
-        candidates = pair_candidates(pairs, steps, cost, small, 1.0)
-        candidates += self._motifs(pairs, loose, cost) + self._sequences(cost)
-        candidates += self._trees()
-        if not candidates:
-            return False
-        candidates = sorted(self._weighed(candidates), key=lambda each: (-each.worth, each.order))
-        paying = [each for each in candidates if each.gain >= 1.0]
-        chosen = [each for each in paying if each.worth >= SHARE * candidates[0].worth]
+        cost = self._tabled()
+        found = pair_candidates(pairs, steps, cost, self.alphabet.tolerance, 1.0)
+        least = SHARE * max((each.gain for each in found), default=0.0)
+        if self.measure is None and least > 1.0:
+            # What saves less would not be taken yet, and later it may be gone.
+            chosen, _ = _ranked(found + self._larger(pairs, loose, cost, least))
+            if self._try(chosen, []):
+                return True
+            chosen, others = _ranked(found + self._larger(pairs, loose, cost, 1.0))
+            return self._try(others, [])
+        weighed = self._weighed(found + self._larger(pairs, loose, cost, 1.0))
+        chosen, others = _ranked(weighed)
         # Where the best ones all fail their comparison, the others are tried before giving up.
-        return self._try(chosen, candidates) or self._try(paying[len(chosen) :], [])
+        return self._try(chosen, weighed) or self._try(others, [])
+
+    def _larger(self, pairs: Pairs, loose: Integers, cost: Tabled, least: float) -> list[Candidate]:
+        """Motifs, sequences and trees, all of them that save so much."""
+        return (
+            self._motifs(pairs, loose, cost, least) + self._sequences(cost, least) + self._trees()
+        )
 
     def _weighed(self, candidates: list[Candidate]) -> list[Candidate]:
         """With their terms, where somebody asks for these."""
@@ -240,12 +249,14 @@ class Search:
 
     # ----------------------------------------------------------------- motifs
 
-    def _motifs(self, pairs: Pairs, labels: Integers, cost: Tabled) -> list[Candidate]:
+    def _motifs(
+        self, pairs: Pairs, labels: Integers, cost: Tabled, least: float
+    ) -> list[Candidate]:
         steps = -1 - np.arange(max(0, len(self.string) - 1))
         steps[pairs.first] = labels
         return [
             Candidate(each.gain, int(each.rows[0]), each.rows, identity(0), motif=each)
-            for each in find_motifs(self.string, steps, cost, self.alphabet.tolerance)
+            for each in find_motifs(self.string, steps, cost, self.alphabet.tolerance, least)
         ]
 
     def _take_motif(self, motif: Motif, edit: Edit) -> Outcome:
@@ -302,8 +313,8 @@ class Search:
 
     # -------------------------------------------------------------- sequences
 
-    def _sequences(self, cost: Tabled) -> list[Candidate]:
-        runs = find_runs(self.alphabet, self.string, self.fits)
+    def _sequences(self, cost: Tabled, least: float) -> list[Candidate]:
+        runs = find_runs(self.alphabet, self.string, self.fits, np.diff(cost.total), least)
         if not runs:
             return []
         labels = self._run_clusters(runs)
@@ -386,6 +397,14 @@ class Search:
             elif outcome == "overlaps":
                 outcome = "not exact"
         return outcome
+
+
+def _ranked(candidates: list[Candidate]) -> tuple[list[Candidate], list[Candidate]]:
+    """Those that pay, best first: what a round takes, and all others."""
+    candidates.sort(key=lambda each: (-each.worth, each.order))
+    paying = [each for each in candidates if each.gain >= 1.0]
+    chosen = [each for each in paying if each.worth >= SHARE * candidates[0].worth]
+    return chosen, paying[len(chosen) :]
 
 
 def _shared_pattern(patterns: list[Pattern]) -> Pattern:

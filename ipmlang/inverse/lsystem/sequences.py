@@ -34,6 +34,7 @@ LEAST = 3  # members of a run
 LEAST_CURVED = 6  # members of a run whose steps change
 LEAST_ROOTED = 8
 MOST_RUNS = 100  # of one kind in one round
+TWICE = 2.0  # a symbol may be in two runs of one pattern
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,12 +79,22 @@ class Field:
         )
 
 
-def find_runs(alphabet: Alphabet, arrangement: Arrangement, fits: Fits | None = None) -> list[Run]:
+def find_runs(
+    alphabet: Alphabet,
+    arrangement: Arrangement,
+    fits: Fits | None = None,
+    tokens: Floats | None = None,
+    least: float = 1.0,
+) -> list[Run]:
     """All longest runs of three members or more, rows before rings before spirals; fits: what was
-    fitted in earlier rounds, which this one adds to.
+    fitted in earlier rounds, which this one adds to; tokens: (n,) of each symbol's placement: of
+    symbols that take less than `least` in all, no runs are needed.
     """
     stretch = stretches(arrangement)
     rows = np.flatnonzero(np.bincount(stretch)[stretch] >= LEAST)
+    if tokens is not None and len(rows) <= 2 * MOST_RUNS:  # of more, only the longest are looked at
+        symbol = arrangement.symbol[rows]
+        rows = rows[TWICE * np.bincount(symbol, tokens[rows])[symbol] >= least]
     if not len(rows):
         return []
     stretch, string = stretch[rows], arrangement[rows]
