@@ -274,3 +274,18 @@ def test_attributes_are_tried_on_the_program_that_is_known(
     assert grown(draft).scene is before.scene
     assert grown(made).names.count("Facade") == 1
     assert not compiled
+
+
+def test_a_lot_that_holds_no_floor_any_more_does_not_say_the_size() -> None:
+    """Made lower than its top is, a tower would lose its floors and keep the top as it was."""
+    tower = edit.read_text("""ipm 1
+Tower --> split z {
+      ~8: split z { { ~1: cube Slab }* }
+    | 6: repeat(i < 4) { [translate(i, 0, 0) size(1, 4, 6) cube Pane] }
+    }
+start Tower on box(4, 4, 14)
+""")
+    after = grown(resize(tower, "Tower", Wanted(z=0.3, factors=True)))
+    low, high = after.boxes(np.eye(3))
+    assert {"Slab", "Pane"} <= {label.split("_")[0] for label in after.terminals.labels}
+    assert float(high.max(axis=0)[2] - low.min(axis=0)[2]) == pytest.approx(4.2)

@@ -20,7 +20,7 @@ from ipmlang.compiler.format import format_expression
 from ipmlang.edit.arithmetic import literal, number_of
 from ipmlang.edit.buildings.deciding import Key, deciding
 from ipmlang.edit.buildings.measuring import Measured
-from ipmlang.edit.buildings.soundness import came_apart, follows, out_of_line, runs_into
+from ipmlang.edit.buildings.soundness import came_apart, follows, kinds_of, out_of_line, runs_into
 from ipmlang.edit.buildings.tree import Tree, grown, tree_of
 from ipmlang.edit.buildings.units import tolerance
 from ipmlang.edit.draft import Change, Draft, with_items, with_parameters
@@ -129,7 +129,11 @@ def _draws_it(before: Tree, after: Tree, aim: Aim, axis: int) -> bool:
 
 
 def _vanished(before: Tree, after: Tree) -> bool:
-    """Whether anything that is in both has almost no size left where it had one."""
+    """Whether a kind of terminal is no more: counts may change, but not to nothing; or anything
+    that is in both has almost no size left where it had one.
+    """
+    if not set(kinds_of(before)) <= set(kinds_of(after)):
+        return True
     one, other = before.scene.instances.key, after.scene.instances.key
     _, mine, theirs = np.intersect1d(one, other, return_indices=True)
     first, last = before.extents[mine], after.extents[theirs]

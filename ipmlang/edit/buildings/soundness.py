@@ -51,7 +51,7 @@ def parted(before: Tree, after: Tree, near: float) -> set[str]:
     """The labels of terminals that touched and do not, where both have the same terminals in the
     same order.
     """
-    if _kinds(before) != _kinds(after):
+    if kinds_of(before) != kinds_of(after):
         return set()
     pairs = before.neighbours(near)
     low, high = after.boxes(np.eye(3))
@@ -60,13 +60,14 @@ def parted(before: Tree, after: Tree, near: float) -> set[str]:
     return {before.terminals.labels[row] for row in np.unique(broken).tolist()}
 
 
-def _kinds(tree: Tree) -> list[str]:
+def kinds_of(tree: Tree) -> list[str]:
+    """The labels of all terminals, those that were stretched as what they were made of."""
     return [MADE.sub("", label).lower() for label in tree.terminals.labels]
 
 
 def _touched(tree: Tree, near: float) -> dict[str, list[set[str]]]:
     """For each label, the labels that each of its terminals touches."""
-    labels = _kinds(tree)
+    labels = kinds_of(tree)
     found: list[set[str]] = [set() for _ in labels]
     for i, j in tree.neighbours(near).tolist():
         found[i].add(labels[j])
@@ -124,7 +125,7 @@ def follows(before: Tree, after: Tree, axes: Floats, axis: int, wanted: float) -
     if abs(float(high_after.max() - low_after.min()) - span - wanted) > ROUNDED * abs(wanted):
         return False
     if len(low) != len(low_after):
-        return True
+        return set(kinds_of(before)) <= set(kinds_of(after))
     share = (np.concatenate([low, high]) - begin) / span * wanted
     moved = np.concatenate([low_after - low, high_after - high]) - (low_after.min() - begin)
     far = np.abs(share) > FAR * abs(wanted)
