@@ -74,6 +74,18 @@ def test_far_jumps_of_deep_trees_may_be_off_with_their_segments(decimals: int) -
     assert tree is not None and tree.steps == 9 and len(tree.rules) == 1
 
 
+def test_lengths_that_are_no_multiples_are_told_in_units(tmp_path: Path) -> None:
+    steps = np.tile([8.4 * np.exp(-1j * np.deg2rad(20)), 12.3 * np.exp(1j * np.deg2rad(37))], 15)
+    points = 10 + 150j + np.concatenate([[0], np.cumsum(steps)])
+    line = " ".join(f"{each.real:.1f},{each.imag:.1f}" for each in points.tolist())
+    path = tmp_path / "zigzag.svg"
+    path.write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 400 300">'
+        f'<path d="M{line}" fill="none" stroke="#000"/></svg>'
+    )
+    assert "{ F(8.4) - F(12.3) + }" in infer(path).text
+
+
 def test_all_points_round_to_what_was_given() -> None:
     start, end = (np.round(each * 3.1234567 + 0.77, 1) for each in drawn(SYSTEMS["Koch curve"]))
     found = fold(start, end, tolerance=0.075 / abs(np.ptp(start.real)), grain=0.1)

@@ -21,7 +21,7 @@ from ipmlang.inverse.recursion.strokes import Strokes
 
 PLACES = 10
 WITHIN = 0.5 - 1e-6  # of the grain: what no rounding of the last bit makes another point
-SHARE = 0.4  # of the room around a middle that fewer digits may take
+SHARE = 0.499  # of the room around a middle that fewer digits may take
 FIRST = 64  # points that the first linear program holds
 ROUNDS = 12  # of adding the points that it moved too far
 

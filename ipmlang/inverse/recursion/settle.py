@@ -31,6 +31,8 @@ from ipmlang.inverse.recursion.rounded import placed_on_grain
 from ipmlang.inverse.recursion.strokes import Strokes
 
 PLACES = 7
+UNIT_PLACES = 3  # of decimals, one more for lengths, where these are in the drawing's units
+PLAIN = 1e-3  # what a multiple may be off to be a plain one
 NEAR = 0.02  # of the usual turn: what a multiple of it may be off before it is rounded
 CLOSE = 100.0  # times the bound that a program may miss before its numbers are rounded
 
@@ -41,11 +43,21 @@ def settled(program: Recursion, strokes: Strokes) -> Recursion | None:
     raw = _placed(program, strokes)
     if raw is None or raw.error > CLOSE * bound:
         return None
+    if _uneven(program):
+        for rounded in _rounded(_grown(program, raw.step), UNIT_PLACES):
+            short = _placed_short(rounded, strokes)
+            if short is not None and short.step == 1:
+                return short
     for rounded in _rounded(program):
-        placed = _placed(rounded, strokes)
-        if placed is not None and (short := _short_placement(placed, strokes)) is not None:
+        short = _placed_short(rounded, strokes)
+        if short is not None:
             return short
     return _short_placement(raw, strokes)
+
+
+def _placed_short(program: Recursion, strokes: Strokes) -> Recursion | None:
+    placed = _placed(program, strokes)
+    return None if placed is None else _short_placement(placed, strokes)
 
 
 def _placed(program: Recursion, strokes: Strokes) -> Recursion | None:
@@ -94,16 +106,39 @@ def _short_placement(placed: Recursion, strokes: Strokes) -> Recursion | None:
     return placed
 
 
-def _rounded(program: Recursion) -> Iterator[Recursion]:
-    """The program with its angles as multiples of one short angle, then each short by itself."""
+def _uneven(program: Recursion) -> bool:
+    """Whether a length is no plain multiple of another: then all are in the drawing's units."""
+    lengths = _lengths(program.bodies)
+    return any(abs(each - round(each, 1)) > PLAIN for each in lengths)
+
+
+def _lengths(bodies: tuple[Body, ...]) -> list[float]:
+    """How far all commands go."""
+    found: list[float] = []
+    for body in bodies:
+        for command in body:
+            match command:
+                case Draw(length) | Move(length):
+                    found.append(length)
+                case Branch(inner) | Again(_, inner):
+                    found += _lengths((inner,))
+                case _:
+                    pass
+    return found
+
+
+def _rounded(program: Recursion, most: int = PLACES) -> Iterator[Recursion]:
+    """The program with its angles as multiples of one short angle, then each short by itself; most:
+    how many decimals are tried.
+    """
     base = _common(_angles(program.bodies[:-1])) or _common(_angles(program.bodies))
-    for places in range(PLACES):
+    for places in range(most):
         if base:
             angle = round(base, places)
             if angle:
                 turn = partial(_whole, angle, places)
                 yield replace(_mapped(program, turn, places), angle=angle)
-    for places in range(PLACES):
+    for places in range(most):
         plain = _mapped(program, partial(round, ndigits=places), places)
         yield replace(plain, angle=_usual(plain))
 
@@ -149,19 +184,35 @@ def _common(angles: list[float]) -> float:
     return 0.0
 
 
+def _grown(program: Recursion, factor: float) -> Recursion:
+    """The program with all lengths times a factor."""
+    return _changed(program, lambda angle: angle, lambda length: length * factor, lambda by: by)
+
+
 def _mapped(program: Recursion, turn: Callable[[float], float], places: int) -> Recursion:
     """The program with its angles mapped and its lengths and scales rounded."""
+    short = partial(shortest, error=0.5 * 10.0 ** -(places + 1))
+    return _changed(program, turn, short, short)
+
+
+def _changed(
+    program: Recursion,
+    turn: Callable[[float], float],
+    go: Callable[[float], float],
+    grow: Callable[[float], float],
+) -> Recursion:
+    """The program with its angles, lengths and scales changed."""
 
     def command(each: Command) -> Command:
         match each:
             case Turn(angle):
                 return Turn(turn(angle))
             case Grow(factor):
-                return Grow(shortest(factor, 0.5 * 10.0 ** -(places + 1)))
+                return Grow(grow(factor))
             case Draw(length):
-                return Draw(shortest(length, 0.5 * 10.0 ** -(places + 1)))
+                return Draw(go(length))
             case Move(length):
-                return Move(shortest(length, 0.5 * 10.0 ** -(places + 1)))
+                return Move(go(length))
             case Branch(inner):
                 return Branch(tuple(command(part) for part in inner))
             case Again(count, inner):
