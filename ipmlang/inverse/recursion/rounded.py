@@ -77,16 +77,16 @@ def placed_on_grain(placed: Recursion, strokes: Strokes) -> Recursion | None:
 
 def _headings(points: _Points, placed: Recursion) -> Iterator[float]:
     """Headings with few digits: near the one of least squares, then near that of the placement
-    whose largest deviation is the smallest.
+    whose largest deviation is the smallest; none where that is too large.
     """
-    known = list(dict.fromkeys(round(placed.heading, places) for places in range(PLACES)))
-    yield from known
     factor = placed.step * complex(np.exp(1j * np.deg2rad(placed.heading)))
     middle = _middle(points, placed.at, factor, turning=True)
-    if middle is not None:
-        heading = float(np.degrees(np.angle(middle[1])))
-        more = dict.fromkeys(round(heading, places) for places in range(PLACES))
-        yield from (each for each in more if each not in known)
+    if middle is None:
+        return
+    heading = float(np.degrees(np.angle(middle[1])))
+    yield from dict.fromkeys(
+        round(each, places) for each in (placed.heading, heading) for places in range(PLACES)
+    )
 
 
 def _positions(points: _Points, near: complex, step: float) -> Iterator[complex]:
