@@ -48,10 +48,12 @@ _Names: TypeAlias = tuple[
 @dataclass(slots=True, eq=False)
 class Cache:
     """What checking remembers: findings by item (kept alive, so that its identity stays its own),
-    the names around them, and the last graph of calls. It holds items of the last check alone.
+    the names around them, and the last graph of calls. It holds items of the last two checks: of
+    what an edit makes, and of what it begins with again.
     """
 
     findings: dict[int, tuple[ast.Item, Findings]] = field(default_factory=dict)
+    before: dict[int, tuple[ast.Item, Findings]] = field(default_factory=dict)
     names: dict[str, list[_Names]] = field(default_factory=dict)
     graph: tuple[Edges, frozenset[Key]] = ((), frozenset())
 
@@ -118,7 +120,7 @@ def _groups(loaded: Loaded, cache: Cache) -> list[Group]:
         same = cache.names.get(file.source.path) == around
         findings = [_findings(environment, item, cache, kept, same) for item in file.grammar.items]
         groups.append(Group(file, findings, environment))
-    cache.findings, cache.names = kept, names
+    cache.before, cache.findings, cache.names = cache.findings, kept, names
     return groups
 
 
@@ -148,7 +150,8 @@ def _findings(
     kept: dict[int, tuple[ast.Item, Findings]],
     same: bool,
 ) -> Findings:
-    known = cache.findings.get(id(item)) or kept.get(id(item))
+    number = id(item)
+    known = kept.get(number) or cache.findings.get(number) or cache.before.get(number)
     if known is not None and known[0] is item and _holds(environment, known[1], same):
         kept[id(item)] = known
         return known[1]

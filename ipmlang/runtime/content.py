@@ -22,6 +22,7 @@ from ipmlang.runtime.naming import Setting
 
 Content: TypeAlias = tuple[Hashable, ...]
 LENGTH = ("length",)  # in place of a number that has a name
+NAMING = frozenset({"const", "module", "attr", "emit", "row", "pen"})
 MOST = 20_000  # instructions of all the bodies that are kept: some 20 MB
 
 
@@ -65,13 +66,14 @@ class Numbered:
         its lengths have names, as in what `named` makes of it.
         """
         self.size += len(code)
-        return tuple(
-            (each.op, each.out, each.args, self._const(each, apart), each.site,
-             self.content(each.body, apart))
-            if each.body
-            else (each.op, each.out, each.args, self._const(each, apart), each.site)
-            for each in code
-        )  # fmt: skip
+        found: list[Content] = []
+        for each in code:
+            const: Hashable = each.const
+            if each.op in NAMING or not (const is None or isinstance(const, str)):
+                const = self._const(each, apart)
+            own = (each.op, each.out, each.args, const, each.site)
+            found.append((*own, self.content(each.body, apart)) if each.body else own)
+        return tuple(found)
 
     def _const(self, each: ir.Instruction, apart: bool) -> Hashable:
         """What an instruction has beside its registers; numbers by their bits: 0 is not -0."""
@@ -101,7 +103,7 @@ class Numbered:
                     return const
                 return const, self._setting.program.strings.index(str(text))
             case _:
-                return const if const is None or isinstance(const, str) else repr(const)
+                return repr(const)
 
     def _attr(self, each: ir.Instruction) -> float:
         return self._setting.attrs[int(str(each.const))]
