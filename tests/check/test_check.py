@@ -239,6 +239,8 @@ def test_an_edit_checks_one_item_again(monkeypatch: pytest.MonkeyPatch) -> None:
     edited = text.replace("Part77(m) --> F(m)", "Part77(m) --> F(m) F(m)")
     check(load_text(edited, PARTS, cache=load_cache), cache)
     assert len(seen) == 1
+    check(load_text(text, PARTS, cache=load_cache), cache)
+    assert len(seen) == 1  # what the edit began with is known, too
 
 
 def test_time_grows_linearly() -> None:
