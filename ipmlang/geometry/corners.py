@@ -77,17 +77,18 @@ def corners_of(edges: Edges, widths: Floats, mitre: float = MITRE) -> Corners:
     wide, wide_before = widths, widths[edges.before]
     turn = (other * edges.along).sum(axis=1)  # the sine: above 0 where it turns left
     dot = (here * other).sum(axis=1)
-    # the point on both inner lines, as mean width and difference: stable on straight edges
+    # the point on both inner lines, as mean width and difference: stable on straight edges, and
+    # nowhere on one that goes straight back
     with np.errstate(divide="ignore", invalid="ignore"):
         mean = ((wide + wide_before) / 2 / (1 + dot))[:, None] * (here + other)
         skew = ((wide_before - wide) / 2 / (1 - dot))[:, None] * (other - here)
-    skew = np.where((wide == wide_before)[:, None], 0.0, skew)
-    reach = mean + skew
+        skew = np.where((wide == wide_before)[:, None], 0.0, skew)
+        reach = mean + skew
+        leans = ((reach * edges.along).sum(axis=1) > 0) | (
+            (reach * edges.along[edges.before]).sum(axis=1) < 0
+        )
     single = edges.start + reach
     most = mitre * np.maximum(wide, wide_before)
-    leans = ((reach * edges.along).sum(axis=1) > 0) | (
-        (reach * edges.along[edges.before]).sum(axis=1) < 0
-    )
     juts = turn < 0
     apart = (length_of(skew) > most) | (juts & leans & (wide != wide_before))
     long = juts & (length_of(reach) > most) & ~apart
@@ -135,13 +136,13 @@ def held(edges: Edges, widths: Floats, corners: Corners) -> Marks:
     last = edges.before
     dot = (edges.along * edges.along[last]).sum(axis=1)
     turn = (edges.inward[last] * edges.along).sum(axis=1)
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):  # a corner may be nowhere
         share = np.where(dot >= 0, turn, 1 / turn)
-    to_own = ((corners.own - edges.start) * edges.along).sum(axis=1)
-    to_last = -((corners.before - edges.start) * edges.along[last]).sum(axis=1)
-    shared = corners.juts | corners.apart  # claims end on one line
-    at_start = np.where(shared, 0.0, np.maximum(to_own, widths[last] * share))
-    at_end = np.where(shared, 0.0, np.maximum(to_last, widths * share))[edges.after]
-    full = ((corners.before[edges.after] - corners.own) * edges.along).sum(axis=1) > 0
+        to_own = ((corners.own - edges.start) * edges.along).sum(axis=1)
+        to_last = -((corners.before - edges.start) * edges.along[last]).sum(axis=1)
+        shared = corners.juts | corners.apart  # claims end on one line
+        at_start = np.where(shared, 0.0, np.maximum(to_own, widths[last] * share))
+        at_end = np.where(shared, 0.0, np.maximum(to_last, widths * share))[edges.after]
+        full = ((corners.before[edges.after] - corners.own) * edges.along).sum(axis=1) > 0
     found: Marks = full & (at_start + at_end <= edges.length)
     return found
