@@ -81,14 +81,14 @@ class KnownRows:
 
     def same(self, row: Row) -> Row:
         """The row that says this."""
-        return self._rows.setdefault(_said(row), row)
+        return self.holding(row, row.inner)
 
     def rule(self, rows: Rows) -> Rows:
         """The rows, as the one object that is all of these."""
         return self._rules.setdefault(tuple(map(id, rows)), rows)
 
     def holding(self, row: Row, inner: Rows) -> Row:
-        """A bracket with other rows in it."""
+        """A row with other rows in it."""
         return self._row(
             row.frame, row.hand, row.pens, row.name, row.args, inner, row.other, row.origin,
             row.symbols,
@@ -222,13 +222,6 @@ def _inside(rows: Rows, path: Path) -> Iterator[tuple[Path, Rows]]:
     for index, row in enumerate(rows):
         if row.inner:
             yield from _inside(row.inner, (*path, index))
-
-
-def _said(row: Row) -> object:
-    """What a row says, those in it by who they are."""
-    inside = tuple(map(id, row.inner))
-    what = row.name, row.args, inside, id(row.other), row.origin, row.symbols
-    return row.frame, row.hand, id(row.pens), *what
 
 
 def _rounded(places: Frames, given: Rounding) -> Frames:
