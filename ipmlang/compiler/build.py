@@ -1,7 +1,7 @@
 """Makes the nodes of rules and their successors: one function per alias of `grammar.lark`.
 
 Each takes the members of a production and its range in the item, and gives back a node, or a list
-that is still growing. Expressions and declarations have files of their own; `builders` gathers all.
+that is still growing. Expressions and declarations have files of their own; `parse` gathers all.
 Nothing here looks at names or types.
 """
 
@@ -12,7 +12,7 @@ from typing import Any
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.ast import Span
-from ipmlang.compiler.automaton import Builder, Members
+from ipmlang.compiler.automaton import Members
 from ipmlang.compiler.build_expressions import UnbuildableError, unquote
 
 
@@ -296,15 +296,3 @@ def once(options: list[tuple[str, Any, int, int]]) -> dict[str, Any]:
             raise UnbuildableError("repeated-word", f"`{word}` stands here twice", start, end)
         found[word] = value
     return found
-
-
-def builders() -> dict[str, Builder]:
-    """All functions that build, by the aliases of the grammar."""
-    from ipmlang.compiler import build_declarations, build_expressions
-
-    return {
-        name.removeprefix("build_"): function
-        for file in (globals(), vars(build_expressions), vars(build_declarations))
-        for name, function in file.items()
-        if name.startswith("build_") and callable(function)
-    }

@@ -18,9 +18,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TypeAlias
 
-from ipmlang.compiler import ast
+from ipmlang.compiler import ast, build, build_declarations, build_expressions
 from ipmlang.compiler.automaton import Automaton, RefusedError, TooDeepError, load, run
-from ipmlang.compiler.build import builders
 from ipmlang.compiler.build_expressions import UnbuildableError
 from ipmlang.compiler.comments import attach, comment
 from ipmlang.compiler.depth import too_deep
@@ -126,7 +125,14 @@ def _nesting(start: int, end: int) -> Trouble:
 
 @cache
 def _machine() -> Automaton:
-    return load(builders())
+    """The automaton, with the functions that build by the aliases of the grammar."""
+    builders = {
+        name.removeprefix("build_"): function
+        for file in (build, build_expressions, build_declarations)
+        for name, function in vars(file).items()
+        if name.startswith("build_") and callable(function)
+    }
+    return load(builders)
 
 
 def _lead(text: str) -> tuple[tuple[ast.Comment, ...], bool]:

@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 from ipmlang.compiler import ir
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.runtime.ancestry import ModuleError
-from ipmlang.runtime.assemble import TEXT_FIELDS, Rows
 from ipmlang.runtime.choose import told
 from ipmlang.runtime.grouping import FIELD, Grouping
 from ipmlang.runtime.interpret import Act, Stream, chosen
 from ipmlang.runtime.keys import packed
 from ipmlang.runtime.outlines import Polygons, outlines_of
+from ipmlang.runtime.rows import TEXT_FIELDS, Rows
 from ipmlang.runtime.scan import Frames, Real, Whole
 from ipmlang.runtime.scene import OUTLINES, SCOPE, SEGMENT, Groups
 from ipmlang.runtime.turtle import Turtle

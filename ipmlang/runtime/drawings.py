@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 from ipmlang.compiler import ir
 from ipmlang.runtime import keys, scan
-from ipmlang.runtime.assemble import TEXT_FIELDS, Rows
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.grouping import FIELD, Grouping
 from ipmlang.runtime.keys import Words
 from ipmlang.runtime.naming import OWN
+from ipmlang.runtime.rows import TEXT_FIELDS, Rows
 from ipmlang.runtime.scene import OUTLINE, SCOPE, SOLID
 from ipmlang.runtime.scopes.joining import with_joined
 from ipmlang.runtime.scopes.joins import FIELD as JOIN

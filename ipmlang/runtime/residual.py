@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +18,8 @@ from numpy.typing import NDArray
 from ipmlang.compiler import ir
 from ipmlang.compiler.diagnostics import IpmError, fail
 from ipmlang.runtime import scan
+from ipmlang.runtime.rows import Rows
 from ipmlang.runtime.scene import OUTLINES
-
-if TYPE_CHECKING:
-    from ipmlang.runtime.assemble import Rows
 
 Numbers: TypeAlias = NDArray[np.float64]
 Polygons: TypeAlias = tuple[Numbers, ...]

@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,10 +20,8 @@ from ipmlang.compiler import ir
 from ipmlang.compiler.diagnostics import IpmError, fail
 from ipmlang.formats import FormatError
 
-if TYPE_CHECKING:
-    from ipmlang.runtime.code import Column
-
 Numbers: TypeAlias = NDArray[np.generic]
+Coordinates: TypeAlias = "float | NDArray[np.float64]"
 Texels: TypeAlias = NDArray[np.float64]
 Whole: TypeAlias = NDArray[np.int64]
 KEPT = 4  # files that stay in memory between runs
@@ -62,7 +60,7 @@ def load_contexts(program: ir.Program) -> tuple[Context, ...]:
     return tuple(_load(each) for each in program.contexts)
 
 
-def fetch(context: Context, channel: int, x: Column, y: Column) -> Column:
+def fetch(context: Context, channel: int, x: Coordinates, y: Coordinates) -> Coordinates:
     """The numbers of a context at (x, y), each (n,) or one number: between the middles of four
     texels by both distances, beyond the edges as at the edge. NaN only where x or y is NaN.
     """
@@ -101,7 +99,7 @@ def fetch_single(context: Context, channel: int, x: float, y: float) -> float:
 
 
 def _along(
-    place: Column, begin: float, length: float, count: int, nearest: bool
+    place: Coordinates, begin: float, length: float, count: int, nearest: bool
 ) -> tuple[Whole, Whole, Texels]:
     """The texels before and behind places along one axis, and how far it is to the second; 0, or
     NaN for a place that is NaN, where single texels are asked.

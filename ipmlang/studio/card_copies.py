@@ -23,11 +23,10 @@ from ipmlang.runtime.gpu.table import Table
 from ipmlang.runtime.scene import SEGMENT
 from ipmlang.studio.camera import Camera
 from ipmlang.studio.card import COPY, Drawn, image_on
+from ipmlang.studio.kinds import Kinds
 
 if TYPE_CHECKING:
     import moderngl
-
-    from ipmlang.studio.table_model import Kinds
 
 Floats = NDArray[np.float64]
 Counts = NDArray[np.uint32]

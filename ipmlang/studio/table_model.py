@@ -8,7 +8,7 @@ derived here.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,29 +29,15 @@ from ipmlang.runtime.gpu.table import Table
 from ipmlang.runtime.scene import AssetRef
 from ipmlang.studio import ways
 from ipmlang.studio.card_copies import WAYS, CardCopies, Survey, first_place, survey
+from ipmlang.studio.kinds import Kinds
 from ipmlang.studio.library import Library, library_of
-from ipmlang.studio.surfaces import Model, Surface, lone_surfaces, middle_and_size, model_of
+from ipmlang.studio.surfaces import Model, lone_surfaces, middle_and_size, model_of
 
 Floats = NDArray[np.float64]
 _KIND = 12  # numbers of a kind, see terminals.glsl
 _CYLINDER, _ASSETS = 4, 5
 _ROUNDS = 3  # of measuring, after the first
 _SLIM = 0.765  # side of a box that is as wide on average as a prism of eight sides of diameter 1
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Kinds:
-    """The meshes that terminals are drawn as: numbers (k, 12) f32 as the shaders read them, and how
-    many triangles each has; `used` are those that have one of `surfaces`; colors (t,) u32 what the
-    program's texts are as colours; `thin` the width of segments whose pen sets none.
-    """
-
-    numbers: NDArray[np.float32]
-    triangles: NDArray[np.int64]
-    used: tuple[int, ...] = ()
-    surfaces: tuple[Surface, ...] = ()
-    colors: NDArray[np.uint32] = field(default_factory=lambda: np.zeros(1, np.uint32))
-    thin: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

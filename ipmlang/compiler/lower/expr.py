@@ -16,7 +16,6 @@ from typing import Literal, TypeAlias, assert_never
 from ipmlang.compiler import ast, ir
 from ipmlang.compiler.diagnostics import IpmError
 from ipmlang.compiler.lower.names import Place, Unit
-from ipmlang.compiler.lower.sampling import fetched
 from ipmlang.compiler.ops import CONSTANTS, FUNCTIONS, OPERATORS, PREFIXES, QUERIES
 
 QUERY_SITE = 0x38000000  # queries are numbered apart: a new one leaves all draws as they were
@@ -356,7 +355,7 @@ class Code:
     def _call(self, expr: ast.Call, names: Environment) -> Operand:
         query = QUERIES.get(expr.name) if self.unit.find(expr.name) is None else None
         if query is not None and query.params and query.params[0].type == "context":
-            return fetched(self, expr, names)
+            return _fetched(self, expr, names)
         args = [self.value(each.value, names) for each in self._ordered(expr)]
         place = self.unit.find(expr.name)
         if place is not None:
@@ -417,3 +416,37 @@ class Code:
 def _is_body(unit: Unit, item: int) -> bool:
     """Whether code of an item belongs to a rule or a start."""
     return item >= 0 and isinstance(unit.grammar.items[item], ast.Rule | ast.Start)
+
+
+def _fetched(code: Code, call: ast.Call, names: Environment) -> Operand:
+    """A context's number at x and y, or where the shape's scope has its origin."""
+    if not code.shaped:
+        raise code.error(
+            call.span,
+            "no-shape",
+            f"`{call.name}` asks while shapes are made, and this is computed before there are any",
+            hint="ask in a rule",
+        )
+    context, *rest = (each.value for each in call.args)
+    assert isinstance(context, ast.Name)  # the checker has seen to it
+    place = code.unit.find(context.id)
+    assert place is not None
+    channel = _channel(code, rest[2], names) if len(rest) > 2 else 0
+    number = code.pool.context(place, channel)
+    if not rest:
+        return code.fetch(number, channel, code.state("x"), code.state("y"))
+    x, y = (code.value(each, names) for each in rest[:2])
+    return code.fetch(number, channel, x, y)
+
+
+def _channel(code: Code, expr: ast.Expr, names: Environment) -> int:
+    known = code.known(expr, names)
+    if known is None:
+        raise code.error(
+            expr.span, "not-constant", "a channel must be known before a derivation starts"
+        )
+    if not 0 <= known < 4 or known % 1:
+        raise code.error(
+            expr.span, "out-of-range", f"a channel is 0, 1, 2 or 3, and this is {known:g}"
+        )
+    return int(known)

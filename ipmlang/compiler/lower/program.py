@@ -15,11 +15,11 @@ from ipmlang.compiler import ast, ir
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail
 from ipmlang.compiler.lower import analysis, settings
 from ipmlang.compiler.lower.carrying import Changes, carried
+from ipmlang.compiler.lower.contexts import context_files
 from ipmlang.compiler.lower.expr import Code, Named, Pool
 from ipmlang.compiler.lower.meaning import Meanings, steps_of
 from ipmlang.compiler.lower.names import Place, Unit
 from ipmlang.compiler.lower.productions import axiom, production
-from ipmlang.compiler.lower.sampling import context_files
 from ipmlang.compiler.lower.strings import Misplaced, Strings
 from ipmlang.compiler.lower.symbols import Bound, Takers
 from ipmlang.compiler.lower.tables import Tables

@@ -19,7 +19,6 @@ from ipmlang.compiler import ir
 from ipmlang.compiler.diagnostics import IpmError
 from ipmlang.compiler.ops import FUNCTIONS
 from ipmlang.runtime.ancestry import ModuleError
-from ipmlang.runtime.assemble import TEXT_FIELDS, Rows
 from ipmlang.runtime.code import Column
 from ipmlang.runtime.draw import drawn_along
 from ipmlang.runtime.fields import first_rotation
@@ -31,6 +30,7 @@ from ipmlang.runtime.order import Drawn, Record
 from ipmlang.runtime.outlines import Polygons
 from ipmlang.runtime.pending import Shapes, taken
 from ipmlang.runtime.rewrite import CLOSE, OPEN, Block, Budget, Copies, Modules, Rewriter
+from ipmlang.runtime.rows import TEXT_FIELDS, Rows
 from ipmlang.runtime.scene import OUTLINES, SCOPE
 from ipmlang.runtime.scopes.boxes import SIZES, full
 from ipmlang.runtime.scopes.joins import FIELD as JOIN

@@ -18,7 +18,7 @@ from ipmlang.compiler.diagnostics import fail
 from ipmlang.geometry.booleans import Kind, boolean
 from ipmlang.geometry.solid import GeometryError, Solid, is_closed, joined
 from ipmlang.geometry.trouble import computing
-from ipmlang.runtime.assemble import Rows
+from ipmlang.runtime.rows import Rows
 from ipmlang.runtime.scene import SCOPE, SEGMENT
 from ipmlang.runtime.scopes.joins import Joining, Met
 from ipmlang.runtime.scopes.pool import Pool
