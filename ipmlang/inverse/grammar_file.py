@@ -38,6 +38,7 @@ from ipmlang.inverse.naming import (
 )
 from ipmlang.inverse.numbers import number as literal
 from ipmlang.inverse.observation import Observation
+from ipmlang.inverse.panels import NO_PANELS, panels_of, with_panels
 from ipmlang.inverse.reach import measure
 from ipmlang.inverse.rest import rest_table
 from ipmlang.inverse.schedules import with_schedules
@@ -153,7 +154,9 @@ def write_grammar(book: Book, subject: Subject) -> Written:
     axiom = names.give("Drawing")
     terminals = subject.instanced.terminals
     painted = merged_styles(book, terminals)
-    named = _names(book, subject, names, painted)
+    off = GRID * subject.observed.diagonal
+    panels = panels_of(book, off) if subject.use_tables else NO_PANELS
+    named = _names(book, subject, names, painted, panels.groups)
     effects, shown_effects = _effects(book, subject, names)
     alphabet = subject.instanced.alphabet
     radius = {k: float(alphabet[k].radius) for k in (*range(len(terminals)), *book.anchored)}
@@ -164,17 +167,18 @@ def write_grammar(book: Book, subject: Subject) -> Written:
     folded, grids = None, NO_GRIDS
     spared: dict[str, float] = {}
     if subject.folded:
-        taken = {*(named[k] for k in named if k < len(terminals))}
+        taken = {named[k] for k in (*range(len(terminals)), *panels.groups) if k in named}
         taken |= {each.name for each in (*placed, *order)}
         taken |= {each.name for each in builder.attributes}
         folded = fold(rules, reach.error, taken)
         rules = list(folded.rules)
     if subject.use_tables:
+        given = [named[group] for group in panels.groups]
+        rules, shown_panels = with_panels(rules, panels, given, names, off)
         things = frozenset(named.values()) | {rule.head.name for rule in rules}
         rules, listed, spared = with_schedules(rules, things, names)
-        off = GRID * subject.observed.diagonal
         grids = with_grids(rules, [*placed, *listed], off)
-        rules, placed = grids.rules, grids.tables
+        rules, placed = grids.rules, [*shown_panels, *grids.tables]
     boards = [each.table for each in builder.boards if each.table is not None]
     tables, stored, cells = stored_tables([*placed, *boards, *order], subject)
     items: list[ast.Item] = [ast.Version(1), *canvas(subject.observed)]
@@ -296,15 +300,22 @@ def symbol_names(book: Book, subject: Subject) -> dict[int, str]:
     names = Names()
     names.give("Drawing")
     painted = merged_styles(book, subject.instanced.terminals)
-    named = _names(book, subject, names, painted)
+    off = GRID * subject.observed.diagonal
+    named = _names(book, subject, names, painted, panels_of(book, off).groups)
     named |= {part: named[own] for part, own in book.family.items() if own in named}
     return named | {part: named[each.base] for part, each in painted.items()}
 
 
 def _names(
-    book: Book, subject: Subject, names: Names, painted: Mapping[int, Painted]
+    book: Book,
+    subject: Subject,
+    names: Names,
+    painted: Mapping[int, Painted],
+    panels: Sequence[int],
 ) -> dict[int, str]:
-    """A name for every symbol that is left: terminals first, then rules from small to large."""
+    """A name for every symbol that is left: terminals first, then panels, then rules from small to
+    large.
+    """
     used = {painted[part].base if part in painted else part for part in book.uses()}
     rows = _first_rows(subject.instanced, book.scattered)
     sources = subject.observed.sources
@@ -322,7 +333,7 @@ def _names(
         )
     written = book.inlined() | {AXIOM}
     rules = [rule for rule in book.rules() if rule not in written]
-    for rule in sorted(rules):
+    for rule in (*panels, *sorted(rules)):
         if rule in book.lattices:
             lattice = book.lattices[rule]
             wish = _short(named[book.family.get(lattice.part, lattice.part)], capital(lattice.kind))

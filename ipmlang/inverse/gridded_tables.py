@@ -100,7 +100,7 @@ def _element(
             tables[name] = _without_places(table)
             made.names.add(name)
             made.cells += len(table.rows)
-            return _loop(grid, tables[name], row, tuple(more), tuple(rest))
+            return gridded_loop(grid, tables[name], row, tuple(more), tuple(rest))
     return element
 
 
@@ -129,14 +129,16 @@ def _without_places(table: ast.Table) -> ast.Table:
     return replace(table, columns=tuple(table.columns[k] for k in keep), rows=rows)
 
 
-def _loop(
+def gridded_loop(
     grid: Grid,
     table: ast.Table,
     row: str,
     more: tuple[ast.Argument, ...],
     rest: tuple[ast.Element, ...],
 ) -> ast.Element:
-    """`[at(x, y) repeat(k < n) with r in T { [at(…) …] }]`."""
+    """`[at(x, y) repeat(k < n) with r in T { [at(…) …] }]`; more: arguments of `at` beside x and y;
+    rest: what stands there.
+    """
     formula, several = grid.formula, bool(grid.formula.across)
     variable = "k" if several else "i"
     count: ast.Expr = ast.Name(variable)

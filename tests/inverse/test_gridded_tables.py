@@ -62,3 +62,52 @@ def test_a_board_of_five_colors_is_a_grid_of_shapes(tmp_path: Path) -> None:
     assert found.report.tokens < 210 + 80, found.text
     assert "at(5 + 13 * floor(k / 7), 95 - 13 * mod(k, 7)) r.shape" in found.text
     assert (found.report.rules, found.report.explained) == (1, 1.0)
+
+
+SHAPES = (
+    '<circle cx="{}" cy="{}" r="{}"/>',
+    '<rect x="{0}" y="{1}" width="{2}" height="{2}"/>',
+    '<path d="M{0} {1}l{2} 9l-20 3z"/>',
+)
+
+
+def sheet(frames: int, across: int, *, clipped: bool = True, off: float = 0.0) -> str:
+    """Icons, each of its own shapes in a frame, behind a title in a frame too."""
+    random = np.random.default_rng(5)
+    drawn = [
+        '<clipPath id="c"><path d="M0 0h40v30h-40z"/></clipPath>',
+        '<g clip-path="url(#c)" transform="translate(3,7)"><path d="M3 3h7l4 9z"/></g>',
+    ]
+    for k in range(frames):
+        x, y = 50 * (k % across) + off * (k == 4), 60 + 45 * (k // across)
+        clip = 'clip-path="url(#c)"' if clipped else 'opacity=".5"'
+        drawn.append(f'<g id="icon{k}" {clip} transform="translate({x},{y})">')
+        drawn.append('<path d="M1 1h38v28h-38z" fill="none"/><path d="M3 3h9v4l-4-2z"/>')
+        for n in range(3):
+            numbers = random.integers(2, 30, 3)
+            drawn.append(SHAPES[(k + n) % 3].format(*numbers))
+        drawn.append("</g>")
+    return (
+        '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 400 300">' + "".join(drawn) + "</svg>"
+    )
+
+
+def test_a_sheet_of_clipped_icons_is_a_table_of_their_names(tmp_path: Path) -> None:
+    path = tmp_path / "sheet.svg"
+    path.write_text(sheet(12, 4), encoding="utf-8")
+    found = infer(path)
+    text = found.text
+    names = " ".join(f"Icon{k}" for k in range(12))
+    assert f"table Panels(shape) = {names}" in " ".join(text.split())
+    assert 'effect("sheet.parts.svg#clip") r.shape]' in text
+    assert text.count("effect(") == 2  # the title has the other
+    assert "repeat(k < 12) with r in Panels" in text
+
+
+@pytest.mark.parametrize("drawn", [sheet(7, 7), sheet(12, 4, off=0.7)], ids=["few", "askew"])
+def test_icons_that_stand_on_no_grid_are_written_where_they_stand(
+    tmp_path: Path, drawn: str
+) -> None:
+    path = tmp_path / "sheet.svg"
+    path.write_text(drawn, encoding="utf-8")
+    assert "table Panels" not in infer(path).text
