@@ -414,11 +414,14 @@ class Style:
 
 @dataclass(frozen=True, slots=True)
 class Asset:
-    """`asset win = "house.glb#window_2"`, or `asset A, B in "x.parts.svg"` (ids are the names)."""
+    """`asset win = "house.glb#window_2"`, or `asset A, B in "x.parts.svg"` (ids are the names).
+    `stretch (1.5, 1, 1)` behind it draws them so many times as large along their own axes.
+    """
 
     names: tuple[str, ...]
     reference: str
     by_name: bool = False
+    stretch: tuple[Number, ...] = ()
     comments: tuple[Comment, ...] = field(default=(), compare=False)
     blank_before: bool = field(default=False, compare=False)
     span: Span = field(default=NOWHERE, compare=False)

@@ -60,13 +60,25 @@ def build_asset_reference(members: Members, start: int, end: int) -> ast.Asset:
             end,
             'assets named like their ids are listed with `in`: asset A, B in "x.parts.svg"',
         )
-    reference = unquote(members[3], end - len(members[3]))
-    return ast.Asset(tuple(members[1]), reference, span=Span(start, end))
+    return _asset(members, False, start, end)
 
 
 def build_asset_by_name(members: Members, start: int, end: int) -> ast.Asset:
-    reference = unquote(members[3], end - len(members[3]))
-    return ast.Asset(tuple(members[1]), reference, True, span=Span(start, end))
+    return _asset(members, True, start, end)
+
+
+def _asset(members: Members, by_name: bool, start: int, end: int) -> ast.Asset:
+    stretch = tuple(members[4])
+    reference = unquote(members[3], start if stretch else end - len(members[3]))
+    return ast.Asset(tuple(members[1]), reference, by_name, stretch, span=Span(start, end))
+
+
+def build_asset_stretch(members: Members, start: int, end: int) -> list[ast.Number]:
+    factors = [each for each in members[1] if isinstance(each, ast.Number) and each.value > 0]
+    if len(factors) != 3 or len(members[1]) != 3:
+        message = "an asset is stretched by three numbers above 0: along its x, y and z"
+        raise UnbuildableError("out-of-range", message, start, end, "stretch (1.5, 1, 1)")
+    return factors
 
 
 def build_table_reference(members: Members, start: int, end: int) -> ast.Table:

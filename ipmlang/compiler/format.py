@@ -305,9 +305,10 @@ def _declaration(item: ast.Item) -> list[str]:
         case ast.Style(name=name, parent=parent, doc=doc):
             extended = [] if parent is None else ["extends", parent]
             return ["style", name, *extended, *([] if doc is None else [quote(doc)])]
-        case ast.Asset(names=names, reference=reference, by_name=by_name):
+        case ast.Asset(names=names, reference=reference, by_name=by_name, stretch=stretch):
             listed = comma_separated([[name] for name in names])
-            return ["asset", *listed, "in" if by_name else "=", quote(reference)]
+            tail = ["stretch", *row_words(stretch)] if stretch else []
+            return ["asset", *listed, "in" if by_name else "=", quote(reference), *tail]
         case ast.Table(name=name, reference=reference):
             return ["table", name, "=", quote(reference or "")]
         case ast.Surface(name=name, reference=reference, atlas=atlas):

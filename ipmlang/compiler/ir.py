@@ -181,11 +181,14 @@ class Attribute:
 
 @dataclass(frozen=True, slots=True)
 class AssetFile:
-    """A terminal's geometry: name, absolute path, node or id (None: the whole file)."""
+    """A terminal's geometry: name, absolute path, node or id (None: the whole file), and how many
+    times as large it is along x, y and z; () for as large as in the file.
+    """
 
     name: str
     path: Path
     node: str | None
+    stretch: tuple[float, ...] = ()
 
 
 Rectangle: TypeAlias = "tuple[float, float, float, float]"

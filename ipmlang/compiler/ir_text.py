@@ -52,7 +52,8 @@ def dump(program: ir.Program) -> str:
     if program.residual is not None:
         lines.append(f"residual {program.tables[program.residual.table].name}")
     for number, asset in enumerate(program.assets):
-        lines.append(f"asset {number} {asset.name} {asset.path.name}#{asset.node or ''}")
+        stretch = "".join(f" {each:g}" for each in asset.stretch)
+        lines.append(f"asset {number} {asset.name} {asset.path.name}#{asset.node or ''}{stretch}")
     for number, context in enumerate(program.contexts):
         lines.append(f"context {number} {context.name} : {context.kind} {context.path.name}")
     for number, symbol in enumerate(program.symbols):

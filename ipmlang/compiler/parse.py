@@ -8,8 +8,8 @@ These words are keywords only where the grammar can take them; elsewhere they ar
 item, `ipm import style asset table surface context attr const fn turtle limit tropism ignore canvas
 axes residual site start interpret`; in expressions, `if then else and or not true false`; in a
 successor, `repeat split set with`; after the colon of a head, `else weight`; after the axiom of
-`start`, `on steps seeds direction with avoiding retries choices`; and `as style extends in atlas
-radius except box polygon over nearest` after what they belong to.
+`start`, `on steps seeds direction with avoiding retries choices`; and `as style extends in
+stretch atlas radius except box polygon over nearest` after what they belong to.
 """
 
 from __future__ import annotations

@@ -54,6 +54,8 @@ ITEMS = {
     "file, by "
     "node or id.",
     'asset A, B in "x.parts.svg"': "Several at once: the ids are the names.",
+    'asset A, B in "x.parts.obj" stretch (1.5, 1, 1)': "Drawn so many times as large as in the "
+    "file, along their own x, y and z and from their own origins: what takes parts of a model.",
     'table T = "x.parts.svg#T"': "Rows of named columns in a parts file.",
     "table T(x, y) = 1, 2": "The same written out, a line for each row. A row ends where no comma "
     "follows a cell; a row in brackets, `(a + 1, 2)`, may hold more than numbers and texts.",

@@ -71,6 +71,9 @@ class References:
     def problems(self, item: ast.Item) -> Iterator[Problem]:
         """What is wrong with the files that an item names."""
         match item:
+            case ast.Asset(reference=reference, stretch=(_, *_)) if _is_drawing(reference):
+                message = f"{reference} is a drawing, and only parts of models are stretched"
+                yield Problem("wrong-file-type", message, "`*(2)` before its name scales it")
             case ast.Asset(names, reference, by_name=True):
                 for name in names:
                     yield from _problem(self.node(f"{reference}#{name}", DRAWINGS + MESHES))
@@ -170,6 +173,10 @@ class References:
 def _problem(found: object) -> Iterator[Problem]:
     if isinstance(found, Problem):
         yield found
+
+
+def _is_drawing(reference: str) -> bool:
+    return reference.partition("#")[0].lower().endswith(DRAWINGS)
 
 
 def _list(suffixes: tuple[str, ...]) -> str:

@@ -285,6 +285,13 @@ def _joined(columns: list[Floats | None]) -> Floats | None:
     return np.concatenate(known) if known and len(known) == len(columns) else None
 
 
+def stretched(mesh: Mesh, factors: Sequence[float]) -> Mesh:
+    """A mesh so many times as large along x, y and z, from its origin; as it is for ()."""
+    if not factors:
+        return mesh
+    return moved(mesh, np.concatenate([np.diag(factors), np.zeros((3, 1))], axis=1))
+
+
 def baked(scene: MeshScene) -> Mesh:
     """All copies of a scene as one mesh in the world; meant for scenes of few copies."""
     parts = []

@@ -55,7 +55,7 @@ def scene(
     )
     return Scene(
         instances,
-        tuple(AssetRef(each.name, each.path, each.node) for each in program.assets),
+        tuple(AssetRef(each.name, each.path, each.node, each.stretch) for each in program.assets),
         styles,
         tuple(symbol.name for symbol in program.symbols),
         tuple(_origin(program, each) for each in (*program.productions, program.axiom)),

@@ -27,12 +27,13 @@ OUTLINES = (OUTLINE, PATH)  # corners in the world, whatever the frame
 @dataclass(frozen=True, slots=True)
 class AssetRef:
     """A named piece of geometry in a file: `picket`, fences/fence.parts.svg, id `picket` (None: the
-    whole file).
+    whole file); how many times as large along x, y and z, () for as large as it is there.
     """
 
     name: str
     path: Path
     node: str | None
+    stretch: tuple[float, ...] = ()
 
 
 @dataclass(slots=True, eq=False)

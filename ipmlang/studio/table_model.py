@@ -115,7 +115,8 @@ def _outline(table: Table, kinds: Kinds, begin: Floats, found: Survey) -> Floats
 def _meshes(table: Table, begin: Floats) -> MeshScene:
     """The mesh of each kind, each once; assets that no terminal is are not read: cubes stand in."""
     plain = [unit_cube(), *map(unit_square, range(3)), unit_cylinder(CYLINDER_SIDES)]
-    refs = [AssetRef(each.name, each.path, each.node) for each in table.program.assets]
+    assets = table.program.assets
+    refs = [AssetRef(each.name, each.path, each.node, each.stretch) for each in assets]
     if not refs:
         return _lone(plain)
     alike = _lone([*plain, *[unit_cube()] * len(refs)])

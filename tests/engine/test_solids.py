@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -161,6 +162,23 @@ def test_faces_of_an_asset_that_was_inserted(tmp_path) -> None:  # type: ignore[
     (frustum,) = solids(scene)
     assert is_closed(frustum)
     assert volume(frustum) == pytest.approx(16 * 4 / 3 * (1 - (3 / 4) ** 3))
+
+
+def test_an_asset_is_stretched_where_it_stands_and_where_it_is_inserted(tmp_path: Path) -> None:
+    (tmp_path / "hat.obj").write_text("o a\nv 1 0 0\nv 2 0 0\nv 2 1 3\nf 1 2 3\n", encoding="utf-8")
+    asset = 'ipm 1\naxes z-up\nasset a in "hat.obj" stretch (1.5, 1, 2)\n'
+    placed = ipmlang.parse(
+        asset + "A --> translate(1, 0, 0) a\nstart A on box(1, 1, 1)\n", folder=tmp_path
+    ).run()
+    ipmlang.save(placed, tmp_path / "out.obj")
+    written = (tmp_path / "out.obj").read_text(encoding="utf-8").splitlines()
+    corners = [each.split()[1:] for each in written if each.startswith("v ")]
+    wanted = [[2.5, 0, 0], [4, 0, 0], [4, 1, 6]]
+    assert sorted([float(x) for x in each] for each in corners) == wanted
+    inserted = ipmlang.parse(
+        asset + "A --> insert(a, fit: inside) B\nstart A on box(3, 9, 9)\n", folder=tmp_path
+    ).run()
+    assert inserted.instances.size.tolist() == [[2.25, 1.5, 9]]
 
 
 @pytest.mark.parametrize(

@@ -94,7 +94,7 @@ class Pool:
         path = self.paths.get(key)
         if path is None:
             path = self.paths[key] = (unit.folder / file).absolute()
-        made = ir.AssetFile(name, path, node or None)
+        made = ir.AssetFile(name, path, node or None, tuple([each.value for each in item.stretch]))
         return self.assets.setdefault(made, len(self.assets))
 
     def context(self, place: Place, channel: int) -> int:

@@ -12,7 +12,7 @@ from pathlib import Path
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.formats import FormatError
 from ipmlang.formats.drawing import Note
-from ipmlang.formats.mesh_types import Mesh
+from ipmlang.formats.mesh_types import Mesh, stretched
 from ipmlang.runtime.scene import AssetRef
 
 
@@ -48,7 +48,10 @@ def _read(path: Path, assets: list[AssetRef]) -> list[tuple[Mesh, tuple[Note, ..
     except FormatError as error:
         place = f"{path.name}:{error.line}" if error.line else path.name
         raise fail("bad-asset", f"{place}: {error.message}", hint=error.hint) from error
-    return [(mesh, tuple(_of_file(path, note) for note in notes)) for mesh, notes in found]
+    return [
+        (stretched(mesh, asset.stretch), tuple(_of_file(path, note) for note in notes))
+        for asset, (mesh, notes) in zip(assets, found, strict=True)
+    ]
 
 
 def _of_file(path: Path, note: Note) -> Note:

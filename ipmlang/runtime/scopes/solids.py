@@ -45,6 +45,7 @@ class AssetSolids:
     def _solids(self, numbers: Sequence[int]) -> list[Solid]:
         """The assets of these numbers, parts of one file."""
         from ipmlang.formats.known_parts import part_meshes
+        from ipmlang.formats.mesh_types import stretched
 
         path = self._assets[numbers[0]].path
         if path.suffix.lower() in (".svg", ".svgz"):
@@ -58,7 +59,10 @@ class AssetSolids:
         except FormatError as error:
             place = f"{path.name}:{error.line}" if error.line else path.name
             raise fail("bad-asset", f"{place}: {error.message}", hint=error.hint) from error
-        return [_solid(mesh) for mesh, _ in parts]
+        return [
+            _solid(stretched(mesh, self._assets[number].stretch))
+            for number, (mesh, _) in zip(numbers, parts, strict=True)
+        ]
 
 
 def _solid(mesh: Mesh) -> Solid:
