@@ -37,6 +37,7 @@ from ipmlang.inverse.simplify import AXIOM, Book, make_book
 from ipmlang.inverse.stretches import are_few
 from ipmlang.inverse.terminals import grouped, with_stretched_lines
 from ipmlang.inverse.tolerances import relaxed, seen
+from ipmlang.inverse.unrounded import Unrounded, seen_before
 from ipmlang.inverse.ways import (
     MOST_SCATTERED,
     Found,
@@ -98,10 +99,13 @@ def best_grammar(
     flat: bool,
     say: Callable[[str], None],
     options: Options = USUAL,
+    before: Unrounded | None = None,
 ) -> Made:
-    """The shortest grammar that draws the drawing again."""
+    """The shortest grammar that draws the drawing again. before: the drawing before its points were
+    rounded, in which rules are looked for.
+    """
     say("looking for equal shapes")
-    observed, given = seen(drawing, options)
+    observed, given = seen(drawing, options) if before is None else seen_before(before, options)
     goal = Goal(drawing, observed, stem, options, given)
     ways = ways_to_see(goal)
     alone = grouped(observed, ways[0], shared=False)

@@ -234,9 +234,12 @@ def parts_file(subject: Subject) -> str:
 
 
 def canvas(observed: Observation, decimals: int | None = None) -> list[ast.Item]:
-    """The page of the drawing, if it has one; decimals: of the points of what is drawn."""
+    """The page of the drawing, if it has one; decimals: of the points of what is drawn, where the
+    observation does not know them.
+    """
     if observed.box is None:
         return []
+    decimals = decimals if observed.decimals is None else observed.decimals
     box = tuple(literal(value) for value in observed.box)
     return [ast.Canvas(box, observed.drawing.width, observed.drawing.height, decimals)]
 

@@ -67,7 +67,7 @@ class Observation:
     y_model = c - y_svg; diagonal: of the box, else of what is drawn, never 0; precision: decimals
     that write every coordinate of the input exactly, 17 if there is no such number below 10;
     tolerance: units, the bound on `error` unless similar shapes were asked for; drawing: what was
-    read.
+    read; decimals: to which its points are rounded once they are drawn, None where they are not.
     """
 
     shape: NDArray[np.int32]
@@ -84,6 +84,7 @@ class Observation:
     precision: int
     tolerance: float
     drawing: Drawing
+    decimals: int | None = None
 
     def __len__(self) -> int:
         return len(self.shape)

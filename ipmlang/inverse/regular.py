@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import IpmError
 from ipmlang.compiler.format import format_grammar
 from ipmlang.compiler.tokens import count_text_tokens
@@ -17,6 +18,7 @@ from ipmlang.inverse.attempt import Made, best_grammar
 from ipmlang.inverse.observation import observe
 from ipmlang.inverse.options import USUAL, Options
 from ipmlang.inverse.tolerances import noises
+from ipmlang.inverse.unrounded import unrounded
 
 PARTS = (0.25, 1.0)  # of a tolerance that was asked for
 
@@ -31,6 +33,8 @@ def grammar_of(
     """The grammar as exact as the options ask for: the shortest, or the most regular."""
     exact = replace(options, within=None, symmetrize=False)
     made = best_grammar(drawing, stem, flat, say, exact)
+    if not flat and exact.mode == "exact" and not (options.paper or options.explain):
+        made = _of_rounded(drawing, stem, say, exact, made)
     if options.within is None and not options.symmetrize:
         return made
     found = [replace(made, report=replace(made.report, mode=options.mode))]
@@ -43,6 +47,34 @@ def grammar_of(
     if options.symmetrize:  # what is regular, not what is short
         return min(found, key=lambda each: (-round(each.report.explained, 2), _tokens(each)))
     return min(found, key=_tokens)
+
+
+def _of_rounded(
+    drawing: Drawing, stem: str, say: Callable[[str], None], options: Options, made: Made
+) -> Made:
+    """The grammar of the drawing before its program rounded it, on a page that rounds it again, if
+    that is shorter than what was made of it as it is.
+    """
+    before = unrounded(drawing)
+    if before is None:
+        return made
+    say("looking for what was rounded")
+    try:
+        found = best_grammar(drawing, stem, False, say, options, before)
+    except IpmError:  # of a few points nothing says how they were rounded
+        return made
+    if _tokens(found) >= _tokens(made) or _size(found) > _size(made):
+        return made
+    report = replace(found.report, tokens_flat=made.report.tokens_flat, limit=made.report.limit)
+    return replace(found, report=report)
+
+
+def _size(made: Made) -> int:
+    """Characters of both files; attributes do not count, as that a number can be changed by its
+    name is no fault of a rule.
+    """
+    said = tuple(each for each in made.grammar.items if not isinstance(each, ast.Attr))
+    return len(format_grammar(replace(made.grammar, items=said))) + len(made.parts)
 
 
 def _bounds(drawing: Drawing, options: Options) -> tuple[float, ...]:

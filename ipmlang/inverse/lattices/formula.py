@@ -167,7 +167,7 @@ def lattice_rule(
     """
     if lattice.handedness.kind == "arbitrary" or len(np.unique(lattice.chosen.handedness)) > 1:
         return None
-    made = _formula(lattice)
+    made = fitted_formula(lattice)
     if made is None:
         return None
     formula, node = made
@@ -205,7 +205,7 @@ def _needed(inside: Frames, scale: Floats, radius: float, tolerance: float) -> l
 # ----------------------------------------------------------------------- formulas
 
 
-def _formula(lattice: Lattice) -> tuple[Formula, Integers] | None:
+def fitted_formula(lattice: Lattice) -> tuple[Formula, Integers] | None:
     """The formula as fitted, and the node of each member."""
     place = lattice.place
     if isinstance(place, Net):
