@@ -147,6 +147,8 @@ class Symbol:
     last ones of `arity`, are attributes that some `set` changes: nobody wrote them. `held`: what
     its meaning does to the state ends with the body it stands in. `apart`: in a program with
     scopes, a module of it is derived as a string of its own, whose turtle starts where it stands.
+    `given`: the names of the symbols that it is told, by argument, None for those that are values;
+    nothing where it takes no symbols.
     """
 
     name: str
@@ -159,6 +161,7 @@ class Symbol:
     carried: int = 0
     held: bool = False
     apart: bool = False
+    given: tuple[str | None, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

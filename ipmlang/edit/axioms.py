@@ -12,9 +12,10 @@ from dataclasses import replace
 from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.compiler.format import format_grammar
+from ipmlang.compiler.nodes import mapped
 from ipmlang.compiler.ops import OPERATIONS, SETTINGS
 from ipmlang.edit.draft import Draft
-from ipmlang.edit.symbols import Elements, defined_names, mapped
+from ipmlang.edit.symbols import Elements, defined_names
 
 Settings = dict[str, ast.Expr]
 

@@ -14,10 +14,10 @@ from pathlib import Path, PurePosixPath
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.load import SUFFIX, read_source
+from ipmlang.compiler.nodes import nodes
 from ipmlang.compiler.ops import OPERATIONS
 from ipmlang.compiler.parse import parse
 from ipmlang.edit.places import Found, places, with_changes
-from ipmlang.edit.symbols import nodes
 
 STANDARD = "std/"
 

@@ -11,6 +11,7 @@ from dataclasses import replace
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import Diagnostic, fail
+from ipmlang.compiler.nodes import nodes
 from ipmlang.compiler.parse import parse_item
 from ipmlang.edit.additions import with_made_asset
 from ipmlang.edit.arithmetic import literal
@@ -24,7 +25,7 @@ from ipmlang.edit.replacing import (
     terminals,
 )
 from ipmlang.edit.selection import NOTHING
-from ipmlang.edit.symbols import Elements, free_name, nodes
+from ipmlang.edit.symbols import Elements, free_name
 from ipmlang.edit.trial import Frame, Trial, try_part
 from ipmlang.formats.svg.parts import write_parts
 from ipmlang.inverse.naming import word

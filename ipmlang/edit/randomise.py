@@ -14,12 +14,12 @@ from functools import partial
 from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.compiler.format import format_expression
+from ipmlang.compiler.nodes import mapped
 from ipmlang.edit.arithmetic import added, literal, number_of, slope
 from ipmlang.edit.draft import Change, Draft, with_items, with_parameters
 from ipmlang.edit.parameters import bounds, no_such_value
 from ipmlang.edit.places import Found, Place
 from ipmlang.edit.selection import Selection, select
-from ipmlang.edit.symbols import mapped
 
 STEPS = "steps"
 

@@ -12,13 +12,13 @@ from functools import partial
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.format import format_expression
+from ipmlang.compiler.nodes import mapped
 from ipmlang.edit.arithmetic import number_of
 from ipmlang.edit.draft import Change, Draft, with_items
 from ipmlang.edit.places import places, with_changes
 from ipmlang.edit.symbols import (
     Elements,
     defined_names,
-    mapped,
     needed_names,
     used_names,
     with_modules,

@@ -14,6 +14,7 @@ from pathlib import Path
 from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail, nearest
 from ipmlang.compiler.load import SUFFIX
+from ipmlang.compiler.nodes import nodes
 from ipmlang.compiler.ops import OPERATIONS
 from ipmlang.edit.additions import found_file, with_asset, with_import
 from ipmlang.edit.arithmetic import literal
@@ -25,7 +26,6 @@ from ipmlang.edit.symbols import (
     defined_names,
     free_name,
     needed_names,
-    nodes,
     placed_names,
     used_names,
     with_given,

@@ -7,12 +7,12 @@ some symbols. Nothing is checked here: a tree may be half edited.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import fields, is_dataclass, replace
-from operator import is_not
-from typing import TypeAlias, TypeVar, assert_never, cast
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from typing import TypeAlias, assert_never, cast
 
 from ipmlang.compiler import ast
+from ipmlang.compiler.nodes import INNER, nodes
 from ipmlang.compiler.ops import FUNCTIONS, OPERATIONS
 from ipmlang.compiler.passing import leaves, passing, symbols_taken
 from ipmlang.compiler.places import SHAPE
@@ -21,7 +21,6 @@ from ipmlang.compiler.tokens import is_free_name
 Elements: TypeAlias = tuple[ast.Element, ...]
 # What takes the place of a module; the truth says that nothing follows it in its bracket.
 Make: TypeAlias = Callable[[ast.Module, bool], Elements]
-_Tree = TypeVar("_Tree")
 _RESERVED = frozenset({"i", "n", "r", "e", "pi", "here", "nil", "start"})
 
 
@@ -168,51 +167,6 @@ def _split_part(part: ast.SplitPart | ast.SplitGroup, make: Make) -> ast.SplitPa
     return replace(part, body=_elements(part.body, make, False))
 
 
-def nodes(tree: object) -> Iterator[object]:
-    """Every node of a tree, comments apart, from the outside in."""
-    waiting = [tree]
-    while waiting:
-        one = waiting.pop()
-        kind = type(one)
-        if kind is tuple:
-            waiting += cast("tuple[object, ...]", one)
-            continue
-        names = _INNER[kind]
-        if names is not None:
-            yield one
-            for name in names:
-                value = getattr(one, name)
-                if value:  # neither None nor empty: a node is always true
-                    waiting.append(value)
-
-
-class _Inner(dict[type, "tuple[str, ...] | None"]):
-    """The fields of the nodes of a kind that may hold others; None where these are no nodes, or
-    comments.
-    """
-
-    def __missing__(self, kind: type) -> tuple[str, ...] | None:
-        node = is_dataclass(kind) and kind is not ast.Comment
-        own = fields(kind) if node else ()
-        inner = (each.name for each in own if not _is_plain(str(each.type)))
-        self[kind] = tuple(inner) if node else None
-        return self[kind]
-
-
-_INNER = _Inner()
-
-
-def _is_plain(type_: str) -> bool:
-    """Whether what a field is declared to hold has no nodes in it, comments apart."""
-    return type_.startswith("Literal[") or type_ in _PLAIN
-
-
-_PLAIN = frozenset({
-    "str", "int", "float", "bool", "str | None", "int | None", "tuple[str, ...]", "BinaryOp",
-    "tuple[int, ...]", "Span", "tuple[Comment, ...]", "tuple[tuple[int, Comment], ...]",
-})  # fmt: skip
-
-
 def used_names(tree: object) -> set[str]:
     """The names that a tree asks for: symbols, values, tables, functions. Of a dotted name also the
     part before the dot, which is an import or a table's row.
@@ -243,7 +197,7 @@ def _asked(tree: object, known: _Known) -> list[str]:
             continue
         if kind is ast.Number:  # the most of all, and they ask for nothing
             continue
-        name, inner = _ASKING.get(kind), _INNER[kind]
+        name, inner = _ASKING.get(kind), INNER[kind]
         if name is not None:
             found.append(getattr(one, name))
         elif kind in (ast.Start, ast.Place):
@@ -382,23 +336,3 @@ def without_names(grammar: ast.Grammar, names: set[str]) -> ast.Grammar:
         elif left or not own:
             kept.append(item)
     return replace(grammar, items=tuple(kept))
-
-
-def mapped(tree: _Tree, change: Callable[[object], object]) -> _Tree:
-    """The tree with every node put through `change`, from the inside out; comments stay."""
-    kind = type(tree)
-    if kind is tuple:
-        own = cast("tuple[object, ...]", tree)
-        parts = tuple([mapped(each, change) for each in own])
-        return cast("_Tree", parts) if any(map(is_not, parts, own)) else tree
-    names = _INNER[kind]
-    if names is None:
-        return tree
-    different: dict[str, object] = {}
-    for name in names:
-        value = getattr(tree, name)
-        made = mapped(value, change)
-        if made is not value:
-            different[name] = made
-    one = replace(tree, **different) if different else tree  # type: ignore[type-var]
-    return cast("_Tree", change(one))

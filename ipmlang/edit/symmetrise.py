@@ -13,11 +13,11 @@ from dataclasses import dataclass, replace
 from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.compiler.format import format_expression
+from ipmlang.compiler.nodes import nodes
 from ipmlang.edit.arithmetic import literal, number_of
 from ipmlang.edit.draft import Change, Draft, with_parameters
 from ipmlang.edit.places import Kind, Place, places
 from ipmlang.edit.regular import with_even_steps, without_offsets
-from ipmlang.edit.symbols import nodes
 
 SHARE = 0.002  # of the largest length: what lengths may differ by, unless told
 ROUND_ANGLE = 15.0

@@ -25,7 +25,7 @@ from ipmlang.formats.mesh_types import Mesh, moved
 from ipmlang.formats.numbers import decimals_for
 from ipmlang.inverse.drawings import unreadable
 from ipmlang.inverse.found import Found
-from ipmlang.inverse.frames import Frames, canonical, compose, identity, matrices
+from ipmlang.inverse.frames import Frames, canonical, compose, identity, inverse, matrices
 from ipmlang.inverse.naming import capital, word
 from ipmlang.inverse.options import Options
 from ipmlang.inverse.parts.observation import Parts
@@ -91,7 +91,7 @@ def grammar_of_model(
                 break
             difference = prove(source, text, file, stem, limit * parts.diagonal)
             if difference.none:
-                told = _said(goal, scheme, rounding, is_flat).rules
+                told = _said(goal, scheme, rounding, is_flat)
                 report = _report(goal, scheme, difference, options, told)
                 report = replace(report, tokens_flat=goal.most)
                 return Found(grammar, file.content, file.suffix, report)
@@ -130,12 +130,14 @@ def _searched(goal: _Goal, plain: Scheme, options: Options) -> Iterator[Scheme]:
 
 
 def _found_by_search(goal: _Goal, small: float) -> Iterator[Scheme]:
-    """The schemes of a search; where shapes stand in several sizes, the first of another search, in
-    which they are one shape, before or after the first.
+    """The schemes of a search; where shapes stand in several sizes or materials, the first of
+    another search, in which they are one shape, before or after the first.
     """
     from ipmlang.inverse.parts.scaling import as_one
+    from ipmlang.inverse.split.dressing import dressed
+    from ipmlang.inverse.split.search.drafts import Limits
     from ipmlang.inverse.split.search.patterns import Memory
-    from ipmlang.inverse.split.search.resizing import promising
+    from ipmlang.inverse.split.search.resizing import in_other_materials, promising
     from ipmlang.inverse.split.search.shortest import schemes
     from ipmlang.inverse.split.separating import separated
 
@@ -147,7 +149,13 @@ def _found_by_search(goal: _Goal, small: float) -> Iterator[Scheme]:
     if likely:
         resized = next(schemes(as_one(parts, likely), bound, memories=memories))
         first.append(risen(separated(resized, parts, small)))
-        first.sort(key=lambda each: _length(goal, each))
+    first.sort(key=lambda each: _length(goal, each))
+    colors = in_other_materials(parts, bound)
+    if colors:
+        bare = next(schemes(as_one(parts, colors), bound, memories=memories))
+        worn = dressed(bare, parts, colors, Limits(bound, small), Memory())
+        if worn is not None and _text(goal, risen(worn)) < min(_text(goal, x) for x in first):
+            first.insert(0, risen(worn))
     yield from first
     yield from map(risen, found)
 
@@ -171,6 +179,11 @@ def _length(goal: _Goal, scheme: Scheme) -> int:
     listed = [len(item.rows) for item in said.items if isinstance(item, ast.Table)]
     shapes = (ASSET + SHAPE) * len(said.terminals)
     return said.tokens + LISTED * len(listed) + ROW * sum(listed) + shapes
+
+
+def _text(goal: _Goal, scheme: Scheme) -> int:
+    """The tokens of a scheme's text, but for those that all have."""
+    return _said(goal, scheme, ROUNDINGS[0], False).tokens
 
 
 def _tokens_singly(goal: _Goal, plain: Scheme) -> int:
@@ -222,13 +235,14 @@ def _check_parts(path: Path, parts: Parts) -> None:
 @dataclass(frozen=True, slots=True, eq=False)
 class _Said:
     """A scheme as items of a grammar, with the meshes of its terminals by name; rules: how many
-    there are besides the axiom's; tokens: of the items.
+    there are besides the axiom's; tokens: of the items; families: symbols that are one rule.
     """
 
     items: tuple[ast.Item, ...]
     terminals: dict[str, Mesh]
     rules: int
     tokens: int
+    families: tuple[tuple[int, ...], ...] = ()
 
 
 def _said(goal: _Goal, scheme: Scheme, rounding: float, one_by_one: bool) -> _Said:
@@ -247,7 +261,7 @@ def _newly_said(goal: _Goal, scheme: Scheme, rounding: float, one_by_one: bool) 
         scheme = without_wraps(scheme, NOTHING * parts.diagonal)
     scheme = replace(scheme, frame=compose(_askew(parts.turn), scheme.frame))
     meshes = {
-        number: _at_home(parts.classes[symbol.part].mesh, homes.get(number))
+        number: _at_home(_drawn(parts, symbol), homes.get(number))
         for number, symbol in enumerate(scheme.symbols)
         if isinstance(symbol, Terminal)
     }
@@ -256,7 +270,8 @@ def _newly_said(goal: _Goal, scheme: Scheme, rounding: float, one_by_one: bool) 
         precision = Precision(room * parts.diagonal)
         printed = print_scheme(scheme, goal.axiom, precision, one_by_one, lift)
         terminals = {printed.names[number]: mesh for number, mesh in meshes.items()}
-        return _Said(printed.items, terminals, printed.rules, _tokens(printed.items))
+        length = _tokens(printed.items)
+        return _Said(printed.items, terminals, printed.rules, length, printed.families)
 
     with_counts = said(lift=True)
     return said(lift=False) if _all_tokens(goal, with_counts) > goal.most else with_counts
@@ -267,6 +282,11 @@ def _askew(degrees: float) -> Frames:
     half = np.radians(degrees) / 2
     turn = np.array([[np.cos(half), 0.0, 0.0, np.sin(half)]])
     return replace(identity(), rotation=canonical(turn))
+
+
+def _drawn(parts: Parts, terminal: Terminal) -> Mesh:
+    """The faces of a terminal in its own coordinates."""
+    return moved(parts.classes[terminal.part].mesh, matrices(inverse(terminal.pose))[0])
 
 
 def _at_home(mesh: Mesh, home: Frames | None) -> Mesh:
@@ -296,20 +316,21 @@ def _head(goal: _Goal, said: _Said, suffix: str) -> tuple[ast.Item, ...]:
 
 
 def _report(
-    goal: _Goal, scheme: Scheme, difference: Difference, options: Options, told: int
+    goal: _Goal, scheme: Scheme, difference: Difference, options: Options, told: _Said
 ) -> Report:
-    """The report without what is counted in the text; told: rules that are."""
+    """The report without what is counted in the text; told: what is printed."""
     from ipmlang.inverse.parts.scaling import as_one
     from ipmlang.inverse.split.separating import used_likenesses
 
     parts = goal.parts
-    counts = count_explained(scheme, as_one(parts, used_likenesses(scheme, parts)))
+    sized = as_one(parts, used_likenesses(scheme, parts))
+    counts = count_explained(scheme, sized, told.families)
     return Report(
         method="split",
         elements=len(parts.shape),
         explained=counts.explained,
-        rules=told,
-        rules_twice=min(counts.twice, told),
+        rules=told.rules,
+        rules_twice=min(counts.twice, told.rules),
         max_error=difference.error / parts.diagonal,
         tokens=0,
         tokens_flat=0,

@@ -179,3 +179,23 @@ def test_what_a_turtle_draws_fits_no_box() -> None:
 def test_a_number_that_grows_too_large_is_told() -> None:
     with pytest.raises(IpmError, match="too large"):
         literal(-2 * 1.79e308)
+
+
+def test_a_rule_that_is_told_its_symbols_is_called_with_them() -> None:
+    street = edit.read_text("""\
+ipm 1
+table houses(shape, x, y) =
+    Slate, 0, 1
+    Brick, 10, 4
+    Brick, 25, 2
+    Slate, 40, 3
+Street --> repeat(at houses) { House(at.shape, 3) }
+House(roof, tall) --> [size(5, 5, tall) cube Wall] [translate(0, 0, tall) roof]
+Slate --> size(5, 5, 1) cube Tiles
+Brick --> size(5, 5, 1) cube Bricks
+start Street
+""")
+    made = resize(street, "House", Wanted(x=1.5, factors=True), number=1)
+    assert "House(Brick, 3)" in made.text
+    assert boxes(grown(made), "Bricks") == boxes(grown(street), "Bricks")
+    assert [box[3] - box[0] for box in boxes(grown(made), "Tiles")] == [7.5, 5]

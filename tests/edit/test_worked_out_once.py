@@ -12,12 +12,13 @@ import pytest
 
 from ipmlang import edit
 from ipmlang.compiler import ast
+from ipmlang.compiler.nodes import nodes
 from ipmlang.edit.buildings import Wanted, contacts, paste, resize, tree
 from ipmlang.edit.buildings.measuring import Measured, measured
 from ipmlang.edit.buildings.tree import grown
 from ipmlang.edit.draft import Draft
 from ipmlang.edit.places import places, places_in
-from ipmlang.edit.symbols import Asked, needed_names, nodes, taken_names, used_names
+from ipmlang.edit.symbols import Asked, needed_names, taken_names, used_names
 from ipmlang.inverse.frames import compose, corners, inverse, linear
 
 FILES = Path(__file__).parent / "buildings"

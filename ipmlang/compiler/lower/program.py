@@ -155,7 +155,10 @@ class Lowering:
         if key not in self._numbers:
             held = record is not None and asset is None and record.family in SCOPE_FAMILIES
             left = arity - sum(each is not None for each in bound)
-            number = self._add(key, ir.Symbol(shown, left, held=held and not rules))
+            told = tuple(None if each is None else each.name for each in bound)
+            given = told if any(told) else ()
+            made = ir.Symbol(shown, left, held=held and not rules, given=given)
+            number = self._add(key, made)
             if asset is not None and place is not None:
                 self._give(
                     number,

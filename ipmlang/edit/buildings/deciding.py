@@ -11,11 +11,11 @@ from collections.abc import Iterator, Sequence
 from typing import Literal
 
 from ipmlang.compiler import ast
+from ipmlang.compiler.nodes import nodes
 from ipmlang.edit.arithmetic import number_of
 from ipmlang.edit.buildings.measuring import Unit, measured
 from ipmlang.edit.buildings.tree import Tree
 from ipmlang.edit.places import Found, Place, places, places_in
-from ipmlang.edit.symbols import nodes
 
 Key = tuple[Literal["shape", "terminal"], int]
 SIZING = ("size", "extrude", "offset")

@@ -16,13 +16,14 @@ import numpy as np
 
 from ipmlang.compiler import ast, ir
 from ipmlang.compiler.diagnostics import IpmError, fail
+from ipmlang.compiler.nodes import nodes
 from ipmlang.edit.arithmetic import literal
 from ipmlang.edit.buildings.baking import Asset, Baking
 from ipmlang.edit.buildings.measuring import BOX, Measured, Unit, measured
 from ipmlang.edit.buildings.regularity import Part
 from ipmlang.edit.buildings.rows import Room, laid_out
 from ipmlang.edit.buildings.tree import BOUND, Tree
-from ipmlang.edit.symbols import Asked, Elements, nodes
+from ipmlang.edit.symbols import Asked, Elements
 from ipmlang.inverse.frames import Floats, Frames
 from ipmlang.inverse.numbers import shortest
 from ipmlang.inverse.split.placing import Precision, spots, steps_to
@@ -139,9 +140,10 @@ class Forms:
         written = self._written(row)
         if written is not None and all(_closed(each.value) for each in written.args):
             return ast.Module(self.tree.names[row], written.args)
-        return ast.Module(
-            self.tree.names[row], tuple(ast.Argument(literal(value)) for value in values)
-        )
+        said = iter([literal(value) for value in values])
+        given = symbol.given or (None,) * len(values)
+        args = [next(said) if each is None else ast.Name(each) for each in given]
+        return ast.Module(self.tree.names[row], tuple(map(ast.Argument, args)))
 
     def _written(self, row: int) -> ast.Module | None:
         """The module in the main file that made a shape."""

@@ -15,6 +15,7 @@ import numpy as np
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import fail
+from ipmlang.compiler.nodes import mapped
 from ipmlang.edit.arithmetic import literal
 from ipmlang.edit.buildings.forms import EXTENTS, Forms
 from ipmlang.edit.buildings.measuring import Unit
@@ -22,7 +23,7 @@ from ipmlang.edit.buildings.rewriting import Placed, rewritten
 from ipmlang.edit.buildings.tree import grown
 from ipmlang.edit.buildings.units import selected
 from ipmlang.edit.draft import Draft
-from ipmlang.edit.symbols import Elements, defined_names, mapped
+from ipmlang.edit.symbols import Elements, defined_names
 from ipmlang.inverse.frames import Floats, Frames, compose, from_matrices, linear, moved_to
 
 UP = np.array([0.0, 0.0, 1.0])

@@ -16,12 +16,13 @@ import numpy as np
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import fail
+from ipmlang.compiler.nodes import mapped
 from ipmlang.edit.buildings.forms import Forms
 from ipmlang.edit.buildings.measuring import Unit
 from ipmlang.edit.buildings.sizing import inlined
 from ipmlang.edit.buildings.units import tolerance
 from ipmlang.edit.draft import Change, Draft
-from ipmlang.edit.symbols import Asked, Elements, mapped, needed_names, without_names
+from ipmlang.edit.symbols import Asked, Elements, needed_names, without_names
 from ipmlang.inverse.frames import Floats, Frames, compose, inverse, join, moved_to
 
 SAME = 0.1  # of how near touches, that places may be off and are the same

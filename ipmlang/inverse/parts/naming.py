@@ -1,5 +1,6 @@
 """Words for shape classes: from names in the file where these say something, else from the shape
-and, for what stands once, from its place.
+and, for what stands once, from its place. A material is a name where one shape alone has it, and
+tells shapes apart that would be called the same.
 
 Takes classes with their meshes and the paths and boxes of their members; gives names that are free
 to be symbols, each used once. Nothing here knows what a grammar's other names are.
@@ -40,13 +41,19 @@ def class_names(
     several = len(set(paths)) > 1
     hints = [_hint(rows, paths) if several else "" for rows in members]
     by_group = _telling(hints, own)
-    by_material = _telling([_by_material(mesh) for mesh in meshes], own)
+    materials = _telling([_by_material(mesh) for mesh in meshes], own)
+    by_material = _telling(materials, own, 1)
+    said = [
+        group or material or _described(mesh, rows, low, high)
+        for group, material, mesh, rows in zip(by_group, by_material, meshes, members, strict=True)
+    ]
+    made: dict[str, set[str]] = {}
+    for name, material in zip(said, materials, strict=True):
+        made.setdefault(name, set()).add(material)
     return numbered(
         [
-            group or material or _described(mesh, rows, low, high)
-            for group, material, mesh, rows in zip(
-                by_group, by_material, meshes, members, strict=True
-            )
+            name if group or material == name or len(made[name]) == 1 else material + name
+            for name, group, material in zip(said, by_group, materials, strict=True)
         ]
     )
 
@@ -60,13 +67,13 @@ def _described(mesh: Mesh, rows: Integers, low: Floats, high: Floats) -> str:
     return place_word(low[rows[0]], high[rows[0]], whole, shape)
 
 
-def _telling(words: Sequence[str], own: str) -> list[str]:
+def _telling(words: Sequence[str], own: str, most: int = 0) -> list[str]:
     """Words without the file's own and those that so many classes would bear that they tell
-    nothing.
+    nothing; most: how many may, 0 for a share of them.
     """
     often = Counter(words)
     shared = len(often) == 1 < len(words)
-    most = 0 if shared else max(3, len(words) // 4)
+    most = 0 if shared else most or max(3, len(words) // 4)
     return [each if each != own and often[each] <= most else "" for each in words]
 
 

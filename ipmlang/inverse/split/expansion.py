@@ -21,6 +21,7 @@ from ipmlang.inverse.frames import (
     canonical,
     compose,
     identity,
+    inverse,
     join,
     moved_to,
 )
@@ -45,7 +46,7 @@ def expand(scheme: Scheme) -> tuple[Integers, Frames]:
     known: list[tuple[Integers, Frames]] = []
     for symbol in scheme.symbols:
         if isinstance(symbol, Terminal):
-            known.append((np.array([symbol.part]), identity()))
+            known.append((np.array([symbol.part]), inverse(symbol.pose)))
         else:
             known.append(_drawn(symbol, known))
     parts, placed = known[-1]

@@ -6,6 +6,7 @@ drawn by a rule that is drawn twice or more, or by a row, a grid, a ring or repe
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,12 +30,12 @@ class Counts:
     explained_repeated: float
 
 
-def count_explained(scheme: Scheme, parts: Parts) -> Counts:
-    """The counts of a scheme."""
-    drawn = times_drawn(scheme)
+def count_explained(scheme: Scheme, parts: Parts, families: Sequence[Sequence[int]] = ()) -> Counts:
+    """The counts of a scheme; families: symbols that are printed as one rule."""
+    drawn = _drawn_as_printed(scheme, families)
     rules = [k for k, each in enumerate(scheme.symbols[:-1]) if isinstance(each, Rule)]
     members = np.bincount(parts.shape, minlength=len(parts.classes))
-    shares = _terminals(scheme, len(members))
+    shares = _terminals(scheme, drawn, len(members))
     twins = members >= 2
     explained = np.minimum(shares, members)
     return Counts(
@@ -59,9 +60,18 @@ def times_drawn(scheme: Scheme) -> Floats:
     return drawn
 
 
-def _terminals(scheme: Scheme, size: int) -> Floats:
-    """How many parts of each of so many classes are drawn below something that repeats."""
+def _drawn_as_printed(scheme: Scheme, families: Sequence[Sequence[int]]) -> Floats:
+    """(n,) how often the rule of each symbol is drawn."""
     drawn = times_drawn(scheme)
+    for each in families:
+        drawn[list(each)] = drawn[list(each)].sum()
+    return drawn
+
+
+def _terminals(scheme: Scheme, drawn: Floats, size: int) -> Floats:
+    """How many parts of each of so many classes are drawn below something that repeats; drawn (n,):
+    how often the rule of each symbol is.
+    """
     whole: list[Floats] = []  # terminals below each symbol
     under: list[Floats] = []  # of these, those below something that repeats
     for number, symbol in enumerate(scheme.symbols):

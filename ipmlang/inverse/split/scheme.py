@@ -12,19 +12,22 @@ from typing import TypeAlias
 
 import numpy as np
 
-from ipmlang.inverse.frames import Floats, Frames
+from ipmlang.inverse.frames import Floats, Frames, identity
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Terminal:
     """A shape that no rule makes: the class of parts with this index. Its scope is its box, which
-    begins at `low` (3,) in its own coordinates.
+    begins at `low` (3,) in its own coordinates. form: the same for shapes that only differ in what
+    they are made of, which have one's coordinates; the class's = pose(these), one row.
     """
 
     name: str
     size: Floats
     part: int
     low: Floats = field(default_factory=lambda: np.zeros(3))
+    form: int = -1
+    pose: Frames = field(default_factory=identity)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -51,12 +51,19 @@ def at_home(scheme: Scheme, small: float) -> tuple[Scheme, dict[int, Frames]]:
 
 
 def _at_home(scheme: Scheme, small: float) -> tuple[Scheme, dict[int, Frames]]:
+    """Terminals of one form are at home in one place: what only differs in them reads alike."""
     homes: dict[int, Frames] = {}
     items = _free_items(scheme)
-    for number, own in items.items():
-        home = _home(own, small)
+    forms: dict[tuple[int, int], list[int]] = {}
+    for number in items:
+        symbol = scheme.symbols[number]
+        assert isinstance(symbol, Terminal)
+        key = (symbol.form, 0) if symbol.form >= 0 else (-1, number)
+        forms.setdefault(key, []).append(number)
+    for numbers in forms.values():
+        home = _home([item for number in numbers for item in items[number]], small)
         if home is not None:
-            homes[number] = home
+            homes |= dict.fromkeys(numbers, home)
     symbols = tuple(_moved(symbol, number, homes) for number, symbol in enumerate(scheme.symbols))
     return replace(scheme, symbols=symbols), homes
 

@@ -21,21 +21,23 @@ from ipmlang.inverse.split.placing import Precision, spots, steps_to
 from ipmlang.inverse.split.printing.inlining import inlined
 from ipmlang.inverse.split.printing.items import Wording, copies_of, item_elements
 from ipmlang.inverse.split.printing.lifting import lifted
-from ipmlang.inverse.split.printing.naming import symbol_names
+from ipmlang.inverse.split.printing.naming import part_words, symbol_names
+from ipmlang.inverse.split.printing.parameters import Told, told
 from ipmlang.inverse.split.printing.schedules import arrangement
-from ipmlang.inverse.split.scheme import Rule, Scheme, Split
+from ipmlang.inverse.split.scheme import Rule, Scheme, Split, Terminal
 from ipmlang.inverse.split.wording import bracket, call
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Printed:
     """items: of the grammar but its version, assets and axes; names: of the symbols; rules: how
-    many there are besides the axiom's.
+    many there are besides the axiom's; families: symbols that are one rule with parameters.
     """
 
     items: tuple[ast.Item, ...]
     names: tuple[str, ...]
     rules: int
+    families: tuple[tuple[int, ...], ...] = ()
 
 
 def print_scheme(
@@ -55,11 +57,18 @@ def print_scheme(
     wording.one_by_one = one_by_one
     wording.bodies = {number: partial(rule_body, wording, number) for number in unnamed}
     attributes = () if one_by_one or not lift else _lift(wording)
-    rules = [_rule(wording, number) for number in top_down(scheme) if number not in unnamed]
-    items: list[ast.Item] = [*attributes, *wording.tables]
-    items += [_spaced(rule, first=k == 0) for k, rule in enumerate(rules)]
+    numbers = {names[number]: number for number in top_down(scheme) if number not in unnamed}
+    rules = [_rule(wording, number) for number in numbers.values()]
+    shapes = {name: "" for name, each in zip(names, scheme.symbols, strict=True)
+              if isinstance(each, Terminal)} | part_words(scheme, names)  # fmt: skip
+    made = Told(tuple(rules), tuple(wording.tables))
+    if not one_by_one:
+        made = told(rules, wording.tables, shapes, given)
+    items: list[ast.Item] = [*attributes, *made.tables]
+    items += [_spaced(rule, first=k == 0) for k, rule in enumerate(made.rules)]
     items.append(_start(wording))
-    return Printed(tuple(items), names, len(rules) - 1)
+    families = tuple(tuple(numbers[name] for name in each) for each in made.families)
+    return Printed(tuple(items), names, len(made.rules) - 1, families)
 
 
 def _lift(wording: Wording) -> tuple[ast.Attr, ...]:

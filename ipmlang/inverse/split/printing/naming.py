@@ -12,8 +12,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ipmlang.inverse.frames import Floats
+from ipmlang.inverse.frames import Floats, around
 from ipmlang.inverse.naming import LONGEST, Names, capital
+from ipmlang.inverse.parts.describing import place_word
 from ipmlang.inverse.parts.naming import numbered
 from ipmlang.inverse.split.changing import top_down
 from ipmlang.inverse.split.expansion import placements
@@ -30,6 +31,7 @@ from ipmlang.inverse.split.scheme import (
 )
 
 _NAMELESS = re.compile(r"Part\d*")  # shapes for which neither the file nor their box has a word
+WHOLE = ("Base", "Body", "Roof")  # places of what is as wide as all of it
 UPWARD = 0.7  # share of a step that has to be up for a column
 
 
@@ -78,13 +80,39 @@ def rule_wish(scheme: Scheme, rule: Rule, named: Sequence[str]) -> str:
 
 
 def _main(scheme: Scheme, rule: Rule) -> int:
-    """What takes most of the eye in a rule: a symbol that has a name of its own."""
+    """What takes most of the eye in a rule: a symbol that has a name of its own, and is the same
+    in others like it.
+    """
     drawn = [(symbol, len(frames)) for item in rule.items for symbol, frames in placements(item)]
     if not drawn:
         return scheme.axiom
-    main = max(drawn, key=lambda each: _bulk(scheme, each[0]) * each[1])[0]
+    alike = [each for each in drawn if not _has_others(scheme, each[0])]
+    main = max(alike or drawn, key=lambda each: _bulk(scheme, each[0]) * each[1])[0]
     inner = scheme.symbols[main]
     return main if isinstance(inner, Terminal) or inner.name else _main(scheme, inner)
+
+
+def _has_others(scheme: Scheme, symbol: int) -> bool:
+    """Whether a symbol is a shape that is there in other materials, too."""
+    one = scheme.symbols[symbol]
+    return isinstance(one, Terminal) and one.form >= 0
+
+
+def part_words(scheme: Scheme, names: Sequence[str]) -> dict[str, str]:
+    """What shapes that are there in several materials are in the rules that place them: a roof, by
+    their names.
+    """
+    words: dict[str, str] = {}
+    for rule in scheme.symbols:
+        for item in rule.items if isinstance(rule, Rule) else ():
+            for symbol, frames in placements(item):
+                one = scheme.symbols[symbol]
+                if isinstance(one, Terminal) and one.form >= 0:
+                    low, high = around(frames[:1], one.low, one.low + one.size)
+                    whole = np.stack([np.zeros(3), rule.size])
+                    word = place_word(low[0], high[0], whole, "")
+                    words.setdefault(names[symbol], word.lower() if word in WHOLE else "")
+    return words
 
 
 def _bulk(scheme: Scheme, symbol: int) -> float:

@@ -131,7 +131,9 @@ def _units(own: Ledger, owner: int, rows: Integers) -> Iterator[_Unit]:
 
 def _may_share(copies: Sequence[Copies], unit: _Unit) -> bool:
     """Whether a schedule may hold a unit: a plain symbol, that stands elsewhere than at home."""
-    return len(copies[unit.owner].inner) == 1 and unit.alone > len(unit.rows)
+    inner = copies[unit.owner].inner
+    plain = len(inner) == 1 and isinstance(inner[0], ast.Module) and not inner[0].args
+    return plain and unit.alone > len(unit.rows)
 
 
 def _schedules(own: Ledger, units: Sequence[_Unit]) -> list[_Schedule]:

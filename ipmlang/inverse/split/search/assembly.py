@@ -149,24 +149,36 @@ def largest_error(parts: Parts, scheme: Scheme) -> float:
 
 def errors(parts: Parts, scheme: Scheme) -> Floats:
     """(n,) units that each part is off; infinite where one is missing or too many."""
+    rows, error = matched(parts, scheme)
+    found = np.full(len(parts.shape), np.inf)
+    found[rows] = error
+    return found
+
+
+def matched(parts: Parts, scheme: Scheme) -> tuple[Integers, Floats]:
+    """(n,) the part that each terminal drawn stands for, in the order of expansion, and units that
+    it is off; none where there are more or fewer of a shape than the model has.
+    """
     from scipy.spatial import cKDTree
 
     shape, frames = expand(scheme)
-    found = np.full(len(parts.shape), np.inf)
+    rows, found = np.zeros(len(shape), np.int64), np.zeros(len(shape))
+    none = rows[:0], found[:0]
     if len(shape) != len(parts.shape):
-        return found
+        return none
     for index, part in enumerate(parts.classes):
-        own = frames[np.nonzero(shape == index)[0]]
-        if len(own) != len(part.members):
-            return found
-        if not len(own):  # another class stands for it
+        drawn = np.nonzero(shape == index)[0]
+        if len(drawn) != len(part.members):
+            return none
+        if not len(drawn):  # another class stands for it
             continue
-        figure = of_class(part)
+        figure, own = of_class(part), frames[drawn]
         points = probed(figure, own)
         there = parts.frames[part.members]
         tree = cKDTree(spread(there, figure.center[None])[:, 0])
         near = np.asarray(tree.query(points[:, 0], k=min(4, len(own)))[1]).reshape(len(own), -1)
         error = np.stack([misses(figure, points, there[column])[0] for column in near.T], axis=1)
         best = np.argmin(error, axis=1)
-        found[part.members[near[np.arange(len(own)), best]]] = error.min(axis=1)
-    return found
+        rows[drawn] = part.members[near[np.arange(len(own)), best]]
+        found[drawn] = error.min(axis=1)
+    return rows, found

@@ -1,6 +1,7 @@
-"""Which scaled copies are worth drawing as one shape: those of rows that grow and of scaled groups.
+"""Which shapes are worth drawing as one: scaled copies, in rows that grow and in scaled groups, and
+what stands in other materials where all else is the same.
 
-Takes parts; gives the likenesses by which a search may find more than without them. A look at pairs
+Takes parts; tells where a search may find more than without that. A look at pairs
 of neighbours and at rows, much quicker than a search. Nothing is decided for good here.
 """
 
@@ -9,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ipmlang.inverse.frames import Integers
+from ipmlang.inverse.parts.forms import recolored
 from ipmlang.inverse.parts.observation import Likeness, Parts
 from ipmlang.inverse.parts.scaling import as_one
 from ipmlang.inverse.split.scheme import Ring
@@ -21,6 +23,7 @@ from ipmlang.inverse.split.search.swelling import FEWEST
 from ipmlang.inverse.split.snapping import members
 
 KINDS = 2  # kinds of pairs that have to occur in several sizes: one alone happens by chance
+VARIED = 0.1  # of the pairs that stand more than once, by those that differ in material
 SIZED = 1e-3  # by which sizes differ
 NONE = np.zeros(0, np.int64)
 
@@ -61,3 +64,25 @@ def _in_growing_rows(draft: Draft, symbols: set[int], limits: Limits) -> Integer
                 if isinstance(item, Ring) and item.grows:
                     found.append(rows[own.patterns == number])
     return np.concatenate(found)
+
+
+def in_other_materials(parts: Parts, error: float) -> tuple[Likeness, ...]:
+    """The likenesses of classes of one form but other materials, if many of them stand to a
+    neighbour, which is the same everywhere, as others do elsewhere; error: units that a part may
+    be off.
+    """
+    found = recolored(parts, error)
+    if not found:
+        return ()
+    forms = as_one(parts, found)
+    limits = Limits(SHARES[0] * error, NOTHING * error)
+    draft = first_draft(forms, forms.low.min(axis=0), limits)
+    edges = edges_of(field_of(draft), limits.error)
+    kinds = often = every = 0
+    for rows in members(edges.label, int(edges.label.max(initial=-1)) + 1):
+        pair = parts.shape[edges.pairs[rows]]
+        varied = (pair != pair[0]).any(axis=0)
+        every += len(rows) if len(rows) > 1 else 0
+        if varied.any() and not varied.all():
+            kinds, often = kinds + 1, often + len(rows)
+    return found if kinds >= KINDS and often >= VARIED * every else ()
