@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+
+from tests.cli.commands import ipmlang, process
 
 ROOT = Path(__file__).resolve().parents[2]
 COMMANDS = ("infer", "run", "check", "fmt", "bench")
@@ -26,14 +26,6 @@ ipm 1
 Tree --> F(1) [+(30) Tree] [-(30) Tree]
 start Tree
 """
-
-
-def ipmlang(*words: str | Path, folder: Path) -> subprocess.CompletedProcess[str]:
-    """Run the command in a process of its own."""
-    command = [sys.executable, "-m", "ipmlang", *map(str, words)]
-    return subprocess.run(
-        command, cwd=folder, capture_output=True, text=True, check=False, timeout=300
-    )
 
 
 @pytest.fixture
@@ -153,7 +145,7 @@ def test_two_processes_write_the_same_bytes(tmp_path: Path) -> None:
         encoding="utf-8",
     )
     for name in ("one.svg", "two.svg"):
-        done = ipmlang("run", "bush.ipm", "-o", name, "--seed", "5", folder=tmp_path)
+        done = process("run", "bush.ipm", "-o", name, "--seed", "5", folder=tmp_path)
         assert done.returncode == 0
     assert (tmp_path / "one.svg").read_bytes() == (tmp_path / "two.svg").read_bytes()
 
@@ -178,7 +170,7 @@ def test_the_readmes_first_command_does_its_job(tmp_path: Path) -> None:
     steps = readme_commands()[0].split(" && ")[2:]
     for step in steps:
         _, *words = step.split()
-        done = ipmlang(*words, folder=tmp_path)
+        done = process(*words, folder=tmp_path)
         assert done.returncode == 0, done.stderr
     assert (tmp_path / "garden-again.svg").exists()
 

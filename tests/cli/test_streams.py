@@ -13,18 +13,14 @@ from pathlib import Path
 
 import pytest
 
+from tests.cli.commands import ipmlang, process
+
 GRAMMAR = 'ipm 1\nattr tone : string = "red"\nstart color(tone) F(1)\n'
 DRAWING = (
     '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9">'
     '<rect id="a" width="1" height="1"/><rect x="3" width="1" height="1"/></svg>'
 )
 COMMAND = [sys.executable, "-m", "ipmlang"]
-
-
-def ipmlang(*words: str | bytes, folder: Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [*COMMAND, *words], cwd=folder, capture_output=True, text=True, check=False, timeout=120
-    )
 
 
 @pytest.fixture
@@ -95,7 +91,7 @@ def test_what_is_read_is_not_written_over(words: str, folder: Path) -> None:
 def test_a_name_that_is_no_text_is_refused(folder: Path) -> None:
     name = b"bad\xff.svg"
     (folder / os.fsdecode(name)).write_text(DRAWING, encoding="utf-8")
-    done = ipmlang("infer", name, folder=folder)
+    done = process("infer", name, folder=folder)
     assert done.returncode == 2 and "Traceback" not in done.stderr
 
 

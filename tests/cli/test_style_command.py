@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.cli.test_commands import ipmlang
+from tests.cli.commands import ipmlang
 
 LAMP = """\
 ipm 1

@@ -2,24 +2,25 @@
 several one-letter names without the blanks between them.
 
 Names are compared by what is left when one letter is taken out, so that the time is linear in the
-length of all names. Names that differ in a digit (`leaf_1`, `leaf_2`) are meant to differ.
+length of all names; what is longer than a person types is not compared. Names that differ in a
+digit (`leaf_1`, `leaf_2`) are meant to differ.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-SHORTEST = 4
+SHORTEST, LONGEST = 4, 100
 
 
 def near_misses(terminals: Iterable[str], known: Iterable[str]) -> Mapping[str, str]:
     """For each terminal that is one letter off a known name, that name."""
-    wanted = [name for name in terminals if len(name) >= SHORTEST]
+    wanted = [name for name in terminals if SHORTEST <= len(name) <= LONGEST]
     if not wanted:
         return {}
     index: dict[str, list[str]] = {}
     for name in sorted(known):
-        if len(name) >= SHORTEST:
+        if SHORTEST <= len(name) <= LONGEST:
             for left in _without_one(name):
                 index.setdefault(left, []).append(name)
     found: dict[str, str] = {}
