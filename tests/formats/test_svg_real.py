@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ipmlang.formats.drawing import Drawing
 from ipmlang.formats.svg import read_svg, split_compound
 from ipmlang.formats.svg.write import write_svg
+from tests.real_drawings import parted, path_of, whole
 
 Pixels: TypeAlias = NDArray[np.float64]
 
@@ -59,7 +60,7 @@ def outlines(drawing: Drawing) -> int:
 @pytest.mark.parametrize("name", COUNTS)
 def test_counts(data: Path, name: str) -> None:
     """Everything that is drawn is there, nothing is skipped as wrong."""
-    drawing = read_svg(data / "svg" / f"{name}.svg")
+    drawing = whole(name)
     subpaths = sum(len(e.outline.closed) for e in drawing.elements if e.outline is not None)
     found = outlines(drawing)
     assert (found, subpaths, len(drawing.elements) - found) == COUNTS[name]
@@ -70,7 +71,7 @@ def test_counts(data: Path, name: str) -> None:
 
 def test_stars_and_stripes(data: Path) -> None:
     """50 stars by a marker, and stripes that are six strokes in one path."""
-    drawing = split_compound(read_svg(data / "svg" / "flag_us.svg"))
+    drawing = parted("flag_us")
     stars = [e for e in drawing.elements if e.outline is not None and len(e.outline.kind) == 5]
     assert sum(element.style.fill == "#ffffff" for element in stars) == 50
     assert sum(element.style.stroke == "#ffffff" for element in drawing.elements) == 6
@@ -78,26 +79,28 @@ def test_stars_and_stripes(data: Path) -> None:
 
 def test_dots(data: Path) -> None:
     """Every dot of a halftone is an element of its own."""
-    assert outlines(split_compound(read_svg(data / "svg" / "vpype_halftone.svg"))) == 2464
+    assert outlines(parted("vpype_halftone")) == 2464
 
 
 # librsvg draws nothing of a file with a circular reference, and overlapping rings taken apart have
 # lighter edges.
 @pytest.mark.parametrize("name", sorted({*COUNTS} - {"resvg_use_nested", "vpype_halftone"}))
-@pytest.mark.parametrize("split", [False, True], ids=["whole", "split"])
-def test_same_picture(data: Path, name: str, split: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Read and written again, a drawing looks the same to an independent renderer."""
+def test_same_picture(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Read and written again, whole or taken apart, a drawing looks the same to an independent
+    renderer.
+    """
     monkeypatch.setenv("LANGUAGE", "en")
     monkeypatch.setenv("LC_ALL", "en_US.UTF-8")
-    path = data / "svg" / f"{name}.svg"
+    path = path_of(name)
     drawing = read_svg(path)
     given = pixels(path.read_bytes().decode("latin-1").replace('encoding="iso-8859-1"', ""))
-    made = pixels(write_svg(split_compound(drawing) if split else drawing))
-    assert made.shape == given.shape
-    # Edges may be rounded to another grey, a few pixels of the thinnest rings as well.
-    blurred = np.abs(coarse(made) - coarse(given))
-    assert blurred.max() < 40
-    assert (blurred > 16).mean() < 0.002
+    for each in (drawing, split_compound(drawing)):
+        made = pixels(write_svg(each))
+        assert made.shape == given.shape
+        # Edges may be rounded to another grey, a few pixels of the thinnest rings as well.
+        blurred = np.abs(coarse(made) - coarse(given))
+        assert blurred.max() < 40
+        assert (blurred > 16).mean() < 0.002
 
 
 def pixels(text: str) -> Pixels:

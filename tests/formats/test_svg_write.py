@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,6 +23,7 @@ from ipmlang.formats.drawing import (
 from ipmlang.formats.svg import read_svg
 from ipmlang.formats.svg.write import fitted_box, write_svg
 from tests.formats.outlines import drawing, outline, points
+from tests.real_drawings import NAMES, whole
 
 
 def back(made: Drawing) -> Drawing:
@@ -166,15 +166,10 @@ def test_a_coordinate_without_a_value_is_refused() -> None:
         write_svg(drawing(outline([LINE], [[0, 0, np.nan, 1]])))
 
 
-def _real() -> list[str]:
-    folder = Path(__file__).resolve().parents[3] / "shared" / "data" / "svg"
-    return sorted(path.name for path in folder.glob("*.svg")) or ["none"]
-
-
-@pytest.mark.parametrize("name", _real())
-def test_real_drawings_come_back(name: str, data: Path) -> None:
+@pytest.mark.parametrize("name", NAMES)
+def test_real_drawings_come_back(name: str) -> None:
     """Every element in order, with its style, no point further off than 1e-9 of the diagonal."""
-    first = read_svg(data / "svg" / name)
+    first = whole(name)
     second = back(first)
     assert len(first.elements) == len(second.elements)
     diagonal = float(np.hypot(*first.box[2:])) if first.box else 1.0

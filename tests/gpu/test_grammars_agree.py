@@ -1,6 +1,6 @@
 """Both executors make the same of every grammar there is: the examples, the standard library, the
-corpus, and a thousand random ones. Numpy says what is right; `tests.agreement` says how near floats
-must lie, and names key, rule and field where they do not.
+corpus, and six hundred random ones. Numpy says what is right; `tests.agreement` says how near
+floats must lie, and names key, rule and field where they do not.
 
 Grammars that the graphics card has no body for are derived by numpy either way; there must not be
 too many of these among the random ones, or nothing would be shown.
@@ -38,7 +38,7 @@ SMALLER: dict[str, dict[str, int | float]] = {
     "tower": {"floors": 14},
 }
 GROUND = {"town": 120, "streets": 70, "city": 200}  # as large a square is enough
-RANDOM, CHUNK = 1000, 40
+RANDOM, CHUNK = 600, 40
 SMALL = {
     "a symbol in a hole moves the turtle": """
         A --> repeat(i < 3) except (1) { B(i) f(2) } F

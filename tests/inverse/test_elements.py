@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -37,6 +36,7 @@ from ipmlang.inverse.lsystem.curves import moved
 from ipmlang.inverse.lsystem.frames import compose, frames, identity, inverse
 from ipmlang.inverse.lsystem.symmetry import alternatives
 from ipmlang.inverse.observation import Observation, observe
+from tests import real_drawings
 
 ARROW = polygon([(0, 0), (-3, 2), (-1, 0), (-3, -2)])  # one mirror, along x
 WAVE = polygon([(-3, 0), (-1, 2), (1, -2), (3, 0)], closed=False)  # a half turn, no mirror
@@ -400,17 +400,10 @@ CLASSES = {
 }
 
 
-def real(data: Path, name: str) -> Drawing:
-    """A collected drawing in its elements."""
-    from ipmlang.formats.svg import read_svg, split_compound
-
-    return split_compound(read_svg(data / "svg" / f"{name}.svg"))
-
-
 @pytest.mark.parametrize("name", sorted(CLASSES))
-def test_classes_of_real_drawings(data: Path, name: str) -> None:
+def test_classes_of_real_drawings(name: str) -> None:
     """Real drawings have the shapes that they show, and placing them gives the drawing back."""
-    observed = observe(real(data, name))
+    observed = real_drawings.observed(name)
     most, largest = CLASSES[name]
     sizes = [len(each.members) for each in observed.classes if each.kind != "fragment"]
     assert len(sizes) <= most
@@ -419,14 +412,14 @@ def test_classes_of_real_drawings(data: Path, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["map_usa_counties", "vpype_7k_lines", "batik_mapSpain"])
-def test_unstructured_drawings_stay_so(data: Path, name: str) -> None:
+def test_unstructured_drawings_stay_so(name: str) -> None:
     """Where nothing repeats, next to nothing is merged."""
-    observed = observe(real(data, name))
+    observed = real_drawings.observed(name)
     assert len(observed.classes) > 0.8 * len(observed)
     assert compare(observed.drawing, rebuilt(observed)).agrees(3e-7)
 
 
-def test_the_eight_skulls_share_their_lines(data: Path) -> None:
+def test_the_eight_skulls_share_their_lines() -> None:
     """8744 loose lines are eight copies of one drawing, four of them mirrored."""
-    shape = observe(real(data, "vpype_multi_skull")).shape.reshape(8, -1)
+    shape = real_drawings.observed("vpype_multi_skull").shape.reshape(8, -1)
     assert (shape == shape[0]).all()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -29,6 +28,7 @@ from ipmlang.inverse.compare import compare
 from ipmlang.inverse.lsystem.curves import stack
 from ipmlang.inverse.lsystem.segments import LIMIT, fewest_segments
 from ipmlang.inverse.observation import Observation, observe
+from tests import real_drawings
 
 DASHED = replace(STROKED, dashes=(1.0, 0.5))
 
@@ -246,10 +246,8 @@ CLASSES = {"cad_lego": 22, "cad_packed_boxes": 82, "mandala": 26, "map_usa_count
 
 
 @pytest.mark.parametrize("name", CLASSES)
-def test_real_drawings_keep_their_classes(data: Path, name: str) -> None:
+def test_real_drawings_keep_their_classes(name: str) -> None:
     """Where programs wrote one way only, there is nothing to merge."""
-    from ipmlang.formats.svg import read_svg, split_compound
-
-    observed = observe(split_compound(read_svg(data / "svg" / f"{name}.svg")))
+    observed = real_drawings.observed(name)
     assert len(observed.classes) == CLASSES[name]
     assert observed.error.max() <= observed.tolerance * (1 + 1e-9)
