@@ -13,6 +13,7 @@ from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import replace
 
 from ipmlang.compiler import ir
+from ipmlang.runtime import runs
 from ipmlang.runtime.algebra import Operand, Source
 from ipmlang.runtime.code import INFIX, SOUND, Names, doubtful, expression, source
 from ipmlang.runtime.content import Numbered
@@ -26,6 +27,7 @@ from ipmlang.runtime.primitives import UnscannableError
 from ipmlang.runtime.queries import questions
 from ipmlang.runtime.queries.marks import FIELD as MARK
 from ipmlang.runtime.queries.marks import PHASE
+from ipmlang.runtime.runs import Runs
 from ipmlang.runtime.scene import SCOPE, SEGMENT
 from ipmlang.runtime.scopes import scope_bodies
 
@@ -78,6 +80,8 @@ class Writer:
                     passed = self._bracket_end(elements, number)
             elif each.op == "close":
                 state = saved.pop()
+            elif isinstance(each, Runs):
+                runs.written(self, each, scope, state)
             elif each.op == "repeat" and (
                 last := chosen_symbols(self, elements, number, scope, state)
             ):

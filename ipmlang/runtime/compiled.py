@@ -19,6 +19,8 @@ from ipmlang.runtime.content import KEPT, Content, Numbered
 from ipmlang.runtime.motion import State, mirrors
 from ipmlang.runtime.naming import OWN, Scope, Setting
 from ipmlang.runtime.primitives import UnscannableError, bound, compiled, function, names_for
+from ipmlang.runtime.queries.marks import FIELD as MARK
+from ipmlang.runtime.runs import with_runs
 
 Body: TypeAlias = Callable[..., tuple[object, ...]]
 Choose: TypeAlias = Callable[[tuple[float, ...], int, int], int]
@@ -58,10 +60,13 @@ class Compiled:
             production = self.production(number)
             numbered, count = Numbered(self._setting), production.parameters
             apart = self._program.scoped and not single
-            content = numbered.content(production.body, apart)
+            elements = production.body
+            if not single and MARK not in self._setting.fields:  # where nobody asks for them
+                elements = with_runs(self._program, elements)
+            content = numbered.content(elements, apart)
 
             def write(writer: Writer) -> None:
-                body = numbered.named(production.body, count) if apart else production.body
+                body = numbered.named(elements, count) if apart else elements
                 writer.body(body, _scope(count, len(numbered.lengths)), self._state())
 
             found = self._made(numbered, content, write, count, single)

@@ -19,6 +19,7 @@ from typing import TypeAlias, TypeGuard
 
 from ipmlang.compiler import ir
 from ipmlang.runtime.naming import Setting
+from ipmlang.runtime.runs import Run, Runs, Standing, runs_name
 
 Content: TypeAlias = tuple[Hashable, ...]
 LENGTH = ("length",)  # in place of a number that has a name
@@ -34,6 +35,7 @@ class Numbered:
         self._symbols: dict[int, str] = {}
         self._assets: dict[int, str] = {}
         self._tables: dict[int, str] = {}
+        self._runs: dict[int, Sequence[Run]] = {}
         self.lengths: list[float] = []  # the constants and attributes of a body that have names
         self.size = 0  # instructions seen so far
 
@@ -54,10 +56,15 @@ class Numbered:
     def space(self) -> dict[str, object]:
         """What the names stand for in this program."""
         tables = self._setting.data.tables
+        runs = {number: Standing(each, tables) for number, each in self._runs.items()}
         return {
+            **{runs_name(number): standing for number, standing in runs.items()},
             **{name: number for number, name in self._symbols.items()},
             **{name: number for number, name in self._assets.items()},
-            **{name: tables[number] for number, name in self._tables.items()},
+            **{
+                name: tables[number] if number >= 0 else runs[number].columns
+                for number, name in self._tables.items()
+            },
             **{f"length{place}": value for place, value in enumerate(self.lengths)},
         }
 
@@ -69,9 +76,12 @@ class Numbered:
         found: list[Content] = []
         for each in code:
             const: Hashable = each.const
+            if isinstance(each, Runs):
+                self._runs[each.table] = each.runs
             if each.op in NAMING or not (const is None or isinstance(const, str)):
                 const = self._const(each, apart)
-            own = (each.op, each.out, each.args, const, each.site)
+            op = "runs" if isinstance(each, Runs) else each.op
+            own = (op, each.out, each.args, const, each.site)
             found.append((*own, self.content(each.body, apart)) if each.body else own)
         return tuple(found)
 

@@ -19,6 +19,7 @@ from ipmlang.runtime.fields import UNSET
 from ipmlang.runtime.keys import Words
 from ipmlang.runtime.limits import Counted
 from ipmlang.runtime.rewrite import copies_of
+from ipmlang.runtime.runs import Standing
 
 Numbers = NDArray[np.int64]
 Around = tuple[Numbers, ...]  # the rows that copies belong to, from the innermost ones outward
@@ -84,6 +85,12 @@ class Copying:
         owner = np.repeat(np.arange(len(counts)), counts)
         begins = np.cumsum(counts) - counts
         return owner, (np.arange(len(owner)) - begins[owner]).astype(np.uint32)
+
+    def standing(self, rows: Standing, count: int) -> tuple[Numbers, Words, Numbers]:
+        """The copies of runs of rows in a batch, as `Standing.copies` says them."""
+        for each in rows.reached:
+            self.counted.copy(float(each * count))
+        return rows.copies(count)
 
     def mask(self, rows: Numbers, count: int) -> NDArray[np.bool_]:
         """Which rows are among those."""

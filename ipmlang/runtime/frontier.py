@@ -31,7 +31,7 @@ from ipmlang.runtime.levels import Levels
 from ipmlang.runtime.limits import Counted, Trail
 from ipmlang.runtime.naming import OWN, Setting
 from ipmlang.runtime.order import Drawn, Made, Order, Record
-from ipmlang.runtime.pending import FINAL, Pending, Shapes
+from ipmlang.runtime.pending import FINAL, Pending, Shapes, taken
 from ipmlang.runtime.queries.marks import FIELD as MARK
 from ipmlang.runtime.queries.marks import PHASE, SEEN
 from ipmlang.runtime.scene import OUTLINES, SEGMENT
@@ -180,15 +180,15 @@ class Frontier(Trimming):
         self.counted.now = shapes.numbers
         try:
             if self.draws is None:
-                taken, rest = Choice(batch, numbers, None).walk()
+                found, rest = Choice(batch, numbers, None).walk()
             else:  # the shapes stand from left to right
-                taken, rest = self.draws.choose(batch, numbers, None, np.arange(shapes.count))
-        except ShapeError as found:
-            shape = int(shapes.numbers[found.row])
-            raise self.counted.traced(found.error, shape) from found
+                found, rest = self.draws.choose(batch, numbers, None, np.arange(shapes.count))
+        except ShapeError as wrong:
+            shape = int(shapes.numbers[wrong.row])
+            raise self.counted.traced(wrong.error, shape) from wrong
         if len(rest):
             self._keep(symbol, generation, shapes.take(rest), batch.take(rest))
-        for each in taken:
+        for each in found:
             whole = len(each.rows) == shapes.count
             self.apply(each.production, shapes if whole else shapes.take(each.rows))
 
@@ -380,24 +380,36 @@ class Frontier(Trimming):
         """Children of every row of a batch, or of some rows: they wait to be derived, unless
         nothing can come of them.
         """
-        if self._is_barren(symbol):
+        if self.is_barren(symbol):
             self.counted.make(count if rows is None else len(rows))
             return NOTHING
         plain = Shapes(
-            count, np.zeros(0, np.int32), k0, k1, int(rule), _columns(params), _columns(state)
+            count, np.zeros(0, np.int32), k0, k1, int(rule), columns(params), columns(state)
         )
         if rows is not None:
             count = len(rows)
             copies = tuple(each[rows] for each in copies)
             plain = Shapes(
                 count, plain.numbers, k0[rows], k1[rows], plain.rule,
-                tuple(_chosen(column, rows) for column in plain.params),
-                tuple(_chosen(column, rows) for column in plain.state),
+                tuple(taken(column, rows) for column in plain.params),
+                tuple(taken(column, rows) for column in plain.state),
             )  # fmt: skip
+        words = keys.child(plain.k0, plain.k1, site, *copies)
+        return self.born(symbol, site, plain, words, rows)
+
+    def born(
+        self,
+        symbol: int,
+        site: int,
+        plain: Shapes,
+        words: tuple[Words, Words],
+        rows: NDArray[np.int64] | None = None,
+    ) -> Made:
+        """New shapes, as `plain` ones say but for their numbers and keys, wait to be derived."""
+        count = plain.count
         start = self.begin(symbol, count)
-        k0, k1 = keys.child(plain.k0, plain.k1, site, *copies)
         numbers = np.arange(start, start + count, dtype=np.int32)
-        made = Shapes(count, numbers, k0, k1, plain.rule, plain.params, plain.state)
+        made = Shapes(count, numbers, *words, plain.rule, plain.params, plain.state)
         if self._recorder is not None:
             self._recorder.made(symbol, site, made)
         self._wait(symbol, made if site == keys.CHOICE_SITE else self._noted(symbol, made))
@@ -424,7 +436,7 @@ class Frontier(Trimming):
             waits = self.pending if each <= self.phase else self._later.setdefault(each, Pending())
             waits.put(symbol, self.following, own)
 
-    def _is_barren(self, symbol: int) -> bool:
+    def is_barren(self, symbol: int) -> bool:
         """Whether the shapes of a symbol that are made now will never draw nor be rewritten."""
         own = self.program.symbols[symbol]
         if own.meaning or (own.interpretation and self.following < FINAL):
@@ -452,15 +464,12 @@ def _column(values: NDArray[np.float64]) -> Column:
     return float(values[0]) if len(values) == 1 else np.ascontiguousarray(values)
 
 
-def _columns(values: Sequence[Column]) -> tuple[Column, ...]:
+def columns(values: Sequence[Column]) -> tuple[Column, ...]:
+    """Columns of which those of one row are numbers."""
     return tuple(
         float(value) if isinstance(value, np.ndarray) and not value.ndim else value
         for value in values
     )
-
-
-def _chosen(column: Column, rows: NDArray[np.int64]) -> Column:
-    return column[rows] if isinstance(column, np.ndarray) else column
 
 
 def _some(chunk: Chunk, names: Iterable[str]) -> list[Column]:

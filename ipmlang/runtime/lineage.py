@@ -7,61 +7,164 @@ before their children. Without a recorder nothing of this is kept. Nothing here 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.runtime import keys
+from ipmlang.runtime.code import Column
 from ipmlang.runtime.drawings import Chunk
 from ipmlang.runtime.keys import Words
-from ipmlang.runtime.order import Copies, Drawn, Order, Record, Slot
+from ipmlang.runtime.order import Copies, Drawn, Order, Record, Slot, Trace
 from ipmlang.runtime.pending import Shapes
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int32]
+Kind = TypeVar("Kind", bound=np.generic)
+Made: TypeAlias = tuple[int, int, Shapes]  # a symbol, the call site, what was made there
 
 
-@dataclass(frozen=True, slots=True, eq=False)
 class Lineage:
-    """n shapes whose symbols have rules, the first shapes included, and who drew each terminal.
-
-    symbol (n,): into Program.symbols, -1 of the first shapes; production (n,): the one that was
-    taken, -1 the axiom's, -2 none; parent (n,): a row before, -1 of the first shapes; site (n,):
-    the call site in the parent's production; key (n,) u64; state: the fields of the shape's state
-    as it was made, (n,) each; arguments: of each shape. drawer (m,), drawn_at (m,): of each row of
-    the scene the shape that drew it, and the call site there; pens: the fields of the state that
-    it was drawn with, (m,) each.
+    """n shapes whose symbols have rules, the first shapes included, and who drew each terminal: m
+    rows of the scene. Columns are worked out when they are first asked for. `shown`: the scene
+    shows these (m,) of all that was drawn, None: all.
     """
 
-    symbol: Integers
-    production: Integers
-    parent: Integers
-    site: Integers
-    key: NDArray[np.uint64]
-    state: Mapping[str, Floats]
-    arguments: tuple[tuple[float, ...], ...]
-    drawer: Integers
-    drawn_at: Integers
-    pens: Mapping[str, Floats]
+    def __init__(
+        self,
+        told: Recorder,
+        records: Sequence[Record | Trace],
+        fields: Sequence[str],
+        shapes: int,
+        places: Integers,
+        shown: NDArray[np.int64] | None = None,
+    ) -> None:
+        self._told = told
+        self._records = records
+        self._fields = tuple(fields)
+        self._count = shapes
+        self._places = places
+        self._shown = shown
 
     def __len__(self) -> int:
-        return len(self.symbol)
+        return self._count
 
     def of_drawn(self, rows: NDArray[np.int64]) -> Lineage:
         """The same of a scene that shows these (k,) of all that was drawn: booleans join parts."""
-        pens = {name: column[rows] for name, column in self.pens.items()}
-        return replace(self, drawer=self.drawer[rows], drawn_at=self.drawn_at[rows], pens=pens)
+        told = (self._told, self._records, self._fields, self._count, self._places)
+        return Lineage(*told, rows)
+
+    @cached_property
+    def symbol(self) -> Integers:
+        """(n,) into Program.symbols, -1 of the first shapes."""
+        return self._column(np.full(self._count, -1, np.int32), lambda batch: batch[0])
+
+    @cached_property
+    def site(self) -> Integers:
+        """(n,) the call site in the parent's production."""
+        return self._column(np.full(self._count, -1, np.int32), lambda batch: batch[1])
+
+    @cached_property
+    def key(self) -> NDArray[np.uint64]:
+        """(n,) what names each shape in every derivation."""
+        return self._column(
+            np.zeros(self._count, np.uint64), lambda batch: keys.packed(batch[2].k0, batch[2].k1)
+        )
+
+    @cached_property
+    def state(self) -> Mapping[str, Floats]:
+        """The fields of each shape's state as it was made, (n,) each."""
+        state = {name: np.zeros(self._count) for name in self._fields}
+        for _, _, batch in self._told.batches:
+            for name, column in zip(self._fields, batch.state, strict=True):
+                state[name][batch.numbers] = column
+        return state
+
+    @cached_property
+    def arguments(self) -> tuple[tuple[float, ...], ...]:
+        """(n,) the arguments of each shape."""
+        arguments: list[tuple[float, ...]] = [()] * self._count
+        for _, _, batch in self._told.batches:
+            if batch.params:
+                for row, values in zip(batch.numbers.tolist(), _arguments(batch), strict=True):
+                    arguments[row] = values
+        return tuple(arguments)
+
+    @cached_property
+    def production(self) -> Integers:
+        """(n,) the one that was taken, -1 the axiom's, -2 none."""
+        production = np.full(self._count, -2, np.int32)
+        for number, numbers in self._told.taken:
+            production[numbers] = number
+        return production
+
+    @cached_property
+    def parent(self) -> Integers:
+        """(n,) a row before, -1 of the first shapes."""
+        return self._makers[0]
+
+    @cached_property
+    def drawer(self) -> Integers:
+        """(m,) of each row of the scene the shape that drew it."""
+        return self._makers[1][self._rows]
+
+    @cached_property
+    def drawn_at(self) -> Integers:
+        """(m,) the call site where it was drawn."""
+        at = np.full(len(self._places), -1, np.int32)
+        for where, chunk, _ in self._told.drawings:
+            at[chunk.start : chunk.start + chunk.count] = chunk.column(where)
+        return at[self._rows]
+
+    @cached_property
+    def pens(self) -> Mapping[str, Floats]:
+        """The fields of the state that it was drawn with, (m,) each."""
+        pens = {name: np.zeros(len(self._places)) for name in self._fields}
+        for _, chunk, state in self._told.drawings:
+            rows = slice(chunk.start, chunk.start + chunk.count)
+            for name in self._fields:
+                pens[name][rows] = chunk.column(state[name])
+        return {name: column[self._rows] for name, column in pens.items()}
+
+    @cached_property
+    def _rows(self) -> NDArray[np.int64]:
+        """(m,) the drawing that each row of the scene is."""
+        rows = np.empty(len(self._places), np.int64)
+        rows[self._places] = np.arange(len(self._places))
+        return rows if self._shown is None else rows[self._shown]
+
+    @cached_property
+    def _makers(self) -> tuple[Integers, Integers]:
+        """Who made each shape, and who drew each drawing."""
+        parent = np.full(self._count, -1, np.int32)
+        drawer = np.full(len(self._places), -1, np.int32)
+        for record in self._records:
+            assert isinstance(record, Record)
+            _follow(record.slots, record.shapes, parent, drawer)
+        return parent, drawer
+
+    def _column(
+        self, out: NDArray[Kind], value: Callable[[Made], int | NDArray[np.uint64]]
+    ) -> NDArray[Kind]:
+        """A column with what each batch has for its shapes."""
+        for batch in self._told.batches:
+            out[batch[2].numbers] = value(batch)
+        return out
 
 
 @dataclass(slots=True, eq=False)
 class Recorder:
-    """What a derivation tells while it runs."""
+    """What a derivation tells while it runs. drawings: call sites, what was drawn there, and the
+    fields of the state then.
+    """
 
-    batches: list[tuple[int, int, Shapes]] = field(default_factory=list)
+    batches: list[Made] = field(default_factory=list)
     taken: list[tuple[int, NDArray[np.int32]]] = field(default_factory=list)
-    drawings: list[tuple[int | Words, Chunk]] = field(default_factory=list)
+    drawings: list[tuple[int | Words, Chunk, Mapping[str, Column]]] = field(default_factory=list)
 
     def made(self, symbol: int, site: int, shapes: Shapes) -> None:
         """Shapes of a symbol were made at a call site."""
@@ -73,61 +176,16 @@ class Recorder:
 
     def drew(self, site: int | Words, chunk: Chunk) -> None:
         """Terminals were drawn at a call site, or at one each."""
-        self.drawings.append((site, chunk))
+        self.drawings.append((site, chunk, dict(chunk.state)))
 
     def lineage(
-        self, order: Order, fields: Sequence[str], shapes: int, places: NDArray[np.int32]
+        self, order: Order, fields: Sequence[str], shapes: int, places: Integers
     ) -> Lineage:
         """All of it, once the order is known; `places` (m,) are the rows of drawings."""
-        symbol, site = np.full(shapes, -1, np.int32), np.full(shapes, -1, np.int32)
-        key, state = np.zeros(shapes, np.uint64), {name: np.zeros(shapes) for name in fields}
-        arguments: list[tuple[float, ...]] = [()] * shapes
-        for own, where, batch in self.batches:
-            rows = batch.numbers
-            symbol[rows], site[rows] = own, where
-            key[rows] = keys.packed(batch.k0, batch.k1)
-            for name, column in zip(fields, batch.state, strict=True):
-                state[name][rows] = column
-            for row, values in zip(rows.tolist(), _arguments(batch), strict=True):
-                arguments[row] = values
-        production = np.full(shapes, -2, np.int32)
-        for number, numbers in self.taken:
-            production[numbers] = number
-        parent, drawer = np.full(shapes, -1, np.int32), np.full(len(places), -1, np.int32)
-        for record in order.records:
-            assert isinstance(record, Record)
-            _follow(record.slots, record.shapes, parent, drawer)
-        at, pens = self._drawn(fields, len(places))
-        rows = np.empty_like(places)
-        rows[places] = np.arange(len(places))
-        return Lineage(
-            symbol,
-            production,
-            parent,
-            site,
-            key,
-            state,
-            tuple(arguments),
-            drawer[rows],
-            at[rows],
-            {name: column[rows] for name, column in pens.items()},
-        )
-
-    def _drawn(self, fields: Sequence[str], count: int) -> tuple[Integers, dict[str, Floats]]:
-        """The call site of each drawing, and what its pen held."""
-        at = np.full(count, -1, np.int32)
-        pens = {name: np.zeros(count) for name in fields}
-        for where, chunk in self.drawings:
-            rows = slice(chunk.start, chunk.start + chunk.count)
-            at[rows] = chunk.column(where)
-            for name in fields:
-                pens[name][rows] = chunk.column(chunk.state[name])
-        return at, pens
+        return Lineage(self, tuple(order.records), fields, shapes, places)
 
 
 def _arguments(batch: Shapes) -> list[tuple[float, ...]]:
-    if not batch.params:
-        return [()] * batch.count
     columns = [np.broadcast_to(each, (batch.count,)).tolist() for each in batch.params]
     return list(zip(*columns, strict=True))
 

@@ -122,6 +122,9 @@ def _weigh(slots: Sequence[Slot], count: int, weights: Weights) -> Weights:
     """How many drawings each row of a batch becomes."""
     total = np.zeros(count, np.int32)
     for slot in slots:
+        if isinstance(slot, Copies) and count == 1:
+            total += _weigh(slot.slots, len(slot.owner), weights).sum(dtype=np.int32)
+            continue
         if isinstance(slot, Copies):
             total += _sums(_weigh(slot.slots, len(slot.owner), weights), slot.counts)
             continue
@@ -145,6 +148,12 @@ def _lay(
 ) -> None:
     """Give the slots of a batch their places; `begin` (n,) is where each row starts."""
     for slot in slots:
+        if isinstance(slot, Copies) and len(begin) == 1:
+            inner = _weigh(slot.slots, len(slot.owner), weights)
+            after = begin[0] + np.cumsum(inner, dtype=np.int32)
+            _lay(slot.slots, after - inner, weights, begins, places)
+            begin = after[-1:] if len(after) else begin
+            continue
         if isinstance(slot, Copies):
             inner = _weigh(slot.slots, len(slot.owner), weights)
             before = np.append(0, np.cumsum(inner, dtype=np.int64))

@@ -82,6 +82,7 @@ def bound(code: CodeType, *spaces: Mapping[str, object]) -> Callable[..., object
 def names_for(single: bool) -> dict[str, object]:
     """The names that bodies use."""
     from ipmlang.runtime.order import Copies
+    from ipmlang.runtime.runs import place_runs
     from ipmlang.runtime.symbol_rows import place_named
 
     return {
@@ -97,4 +98,5 @@ def names_for(single: bool) -> dict[str, object]:
         "arange": np.arange,
         "Copies": Copies,
         "place_named": place_named,
+        "place_runs": place_runs,
     }

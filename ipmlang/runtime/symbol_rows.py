@@ -73,17 +73,23 @@ def assets_of(program: ir.Program, leaves: Sequence[Leaf]) -> list[int] | None:
     """The asset that each symbol draws as it stands, RULED where it has rules; None where one of
     them does anything else.
     """
-    found = []
-    for leaf in leaves:
-        symbol = program.symbols[leaf.symbol]
-        meaning = symbol.meaning or ()
-        if symbol.productions or symbol.interpretation:
-            found.append(RULED)
-        elif len(meaning) == 1 and meaning[0].op == "emit" and not meaning[0].args:
-            found.append(int(str(meaning[0].const)))
-        else:
-            return None
-    return None if any(each < RULED for each in found) else found
+    found = [asset_of(program, leaf.symbol) for leaf in leaves]
+    known = [each for each in found if each is not None]
+    return known if len(known) == len(found) else None
+
+
+def asset_of(program: ir.Program, number: int) -> int | None:
+    """The asset that a symbol draws as it stands, RULED where it has rules; None where it does
+    anything else.
+    """
+    symbol = program.symbols[number]
+    if symbol.productions or symbol.interpretation:
+        return RULED
+    meaning = symbol.meaning or ()
+    if len(meaning) != 1 or meaning[0].op != "emit" or meaning[0].args:
+        return None
+    asset = int(str(meaning[0].const))
+    return asset if asset >= 0 else None
 
 
 def modules_in(body: Sequence[ir.Instruction]) -> int:

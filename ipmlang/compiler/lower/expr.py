@@ -237,6 +237,10 @@ class Code:
             self._loaded[op, const] = found
         return Register(found)
 
+    def knows(self, value: ir.Const) -> bool:
+        """Whether a constant has been loaded here or around."""
+        return self._find(("const", value)) is not None
+
     def call(self, name: str, args: Sequence[Operand]) -> Operand:
         """A pure function of operands, folded where all of them are known."""
         function = FUNCTIONS[name]

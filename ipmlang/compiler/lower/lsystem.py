@@ -15,6 +15,7 @@ from ipmlang.compiler.diagnostics import IpmError
 from ipmlang.compiler.lower.expr import Binding, Code, Environment, Load, Named, Operand, Row
 from ipmlang.compiler.lower.names import Unit
 from ipmlang.compiler.lower.operands import form_for, operands
+from ipmlang.compiler.lower.runs import Pattern, again, is_again, pattern_of
 from ipmlang.compiler.lower.split import Splitting, selector
 from ipmlang.compiler.lower.symbols import Bound, Choosing, Put
 from ipmlang.compiler.ops import OPERATIONS, Operation
@@ -278,8 +279,23 @@ class Body:
         shapes: tuple[Named | None, ...] = ()
         if isinstance(head, ast.Rows) and head.places:
             shapes = self._namer.runs(code.unit, head.table)
+        pattern: Pattern | None = None
         for shape in shapes or (None,):
-            self._copies(code, repeat, names, shape)
+            if pattern is None or shape is None or not self._again(code, repeat, pattern, shape):
+                self._copies(code, repeat, names, shape)
+                pattern = None if shape is None else pattern_of(code, repeat)
+
+    def _again(self, code: Code, repeat: ast.Repeat, pattern: Pattern, shape: Named) -> bool:
+        """Copies of the rows that place a symbol, if they are like those that were written."""
+        if not is_again(code, pattern) or not isinstance(repeat.head, ast.Rows):
+            return False
+        found = self._namer.table(code.unit, repeat.head.table, shape.name)
+        symbol = self._namer.symbol(shape.unit, shape.name, 0)
+        if found is None or symbol is None:
+            return False
+        table, _, count = found
+        again(code, pattern, self._number(), table, count, symbol)
+        return True
 
     def _copies(
         self, code: Code, repeat: ast.Repeat, names: Environment, shape: Named | None

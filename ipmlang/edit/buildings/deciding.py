@@ -71,7 +71,7 @@ def _twins(tree: Tree, unit: Unit, others: Sequence[Key], axis: int) -> list[lis
 def unit_of(tree: Tree, key: Key) -> Unit:
     """The shape or terminal of a key."""
     kind, own = key
-    return kind, tree.rows_of[kind][own]
+    return kind, tree.rows_of(kind)[own]
 
 
 def _drawn(tree: Tree, unit: Unit) -> int:

@@ -202,7 +202,7 @@ def _written(tree: Tree, knob: Knob, made: Tree, value: float) -> Tree | None:
 def size_of(tree: Tree, key: Key, axis: int) -> float | None:
     """How large the shape of a key is along its own axis; None if it is not there."""
     kind, own = key
-    row = tree.rows_of[kind].get(own)
+    row = tree.rows_of(kind).get(own)
     if row is None or (kind == "shape" and tree.first[row] >= len(tree.owner)):
         return None
     return float(Measured(tree).extent((kind, row))[axis])

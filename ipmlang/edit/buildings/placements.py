@@ -1,16 +1,23 @@
 """Many placed things as columns: what terminals are, and frames as maps of points.
 
-In go frames with a row for each thing, out come matrices, a row each. What is placed, and what
-made it, is not known here.
+In go scenes, and frames with a row for each thing; out come boxes and matrices, a row each. What is
+placed, and what made it, is not known here.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ipmlang.inverse.frames import Floats, Frames, linear
+from ipmlang.runtime.scene import OUTLINES, SEGMENT, Scene
+
+if TYPE_CHECKING:
+    from ipmlang.formats.mesh_types import Mesh
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -21,6 +28,39 @@ class Terminals:
     low: Floats
     high: Floats
     labels: tuple[str, ...]
+
+
+def terminals_of(scene: Scene, meshes: Mapping[int, Mesh]) -> Terminals:
+    """The terminals of a scene; meshes: of the assets that it draws, by their numbers."""
+    table = scene.instances
+    frames = Frames(
+        np.array(table.position),
+        np.array(table.rotation),
+        np.where(table.scale < 0, -1.0, 1.0),
+        np.abs(table.scale),
+    )
+    low, high = np.zeros((len(table), 3)), np.array(table.size, np.float64)
+    for number, mesh in meshes.items():
+        rows = (table.asset == number) & ~_fitted(scene, number)
+        low[rows], high[rows] = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    outline = np.isin(table.asset, OUTLINES)
+    for shape in np.unique(table.shape[outline]).tolist():
+        rows = outline & (table.shape == shape)
+        points = scene.polygons[shape]
+        low[rows, : points.shape[1]], high[rows, : points.shape[1]] = (
+            np.nanmin(points, axis=0),
+            np.nanmax(points, axis=0),
+        )
+    high[table.asset == SEGMENT, 1:] = 0.0
+    labels = tuple(scene.labels[k] for k in table.label.tolist())
+    return Terminals(frames, low, high, labels)
+
+
+def _fitted(scene: Scene, asset: int) -> NDArray[np.bool_]:
+    """(m,) which terminals have an asset that fills their scope."""
+    table = scene.instances
+    own = [k for k, label in enumerate(scene.labels) if label == scene.assets[asset].name]
+    return np.asarray(~np.isin(table.label, own))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,4 +89,4 @@ def maps_of(frames: Frames) -> Maps:
     return Maps(turn, out, into, np.einsum("nij,nj->ni", into, -frames.position))
 
 
-__all__ = ["Maps", "Terminals", "maps_of"]
+__all__ = ["Maps", "Terminals", "maps_of", "terminals_of"]

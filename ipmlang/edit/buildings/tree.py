@@ -17,14 +17,13 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ipmlang.compiler import ast, collector, compile_file, compile_loaded, ir
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail, nearest
 from ipmlang.compiler.load import load_text
 from ipmlang.edit.buildings.asking import Asking
 from ipmlang.edit.buildings.contacts import neighbours
-from ipmlang.edit.buildings.placements import Maps, Terminals, maps_of
+from ipmlang.edit.buildings.placements import Maps, Terminals, maps_of, terminals_of
 from ipmlang.edit.draft import Draft, Drawn
 from ipmlang.edit.files import files_with
 from ipmlang.edit.saving import about, staged
@@ -40,7 +39,7 @@ from ipmlang.inverse.frames import (
 )
 from ipmlang.runtime import derive
 from ipmlang.runtime.lineage import Lineage
-from ipmlang.runtime.scene import OUTLINES, SEGMENT, AssetRef, Scene
+from ipmlang.runtime.scene import AssetRef, Scene
 
 if TYPE_CHECKING:
     from ipmlang.formats.mesh_types import Mesh
@@ -54,21 +53,40 @@ PENS = frozenset({*TEXTS, *BOUND, "width", "layer"})
 
 @dataclass(frozen=True, eq=False)
 class Tree:
-    """n shapes and m terminals. names: of the shapes, as the main file writes them; frames, size
-    (n, 3): their scopes; parent (n,), owner (m,): the shape that made each, -1 of the start;
-    meshes: of the assets that are drawn, by their numbers; stamps: of the files beside the grammar.
+    """n shapes and m terminals. meshes: of the assets that are drawn, by their numbers; stamps: of
+    the files beside the grammar. What shapes are is worked out when it is first asked for.
     """
 
     draft: Draft
     program: ir.Program
     scene: Scene
     lineage: Lineage
-    names: tuple[str, ...]
-    frames: Frames
-    size: Floats
     terminals: Terminals
     meshes: Mapping[int, Mesh]
     stamps: tuple[tuple[str, int, int], ...] = ()
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """(n,) the symbols of the shapes, as the main file writes them."""
+        return _names(self.draft.grammar, self.program, self.lineage)
+
+    @cached_property
+    def frames(self) -> Frames:
+        """(n,) the frames of the shapes' scopes."""
+        state, count = self.lineage.state, len(self)
+        scale = state.get("scale", np.ones(count))
+        return Frames(
+            np.stack([state[axis] for axis in "xyz"], axis=1),
+            np.stack([state[axis] for axis in "wijk"], axis=1),
+            np.sign(scale),
+            np.abs(scale),
+        )
+
+    @cached_property
+    def size(self) -> Floats:
+        """(n, 3) the sizes of the shapes' scopes."""
+        state, none = self.lineage.state, np.zeros(len(self))
+        return np.stack([state.get(name, none) for name in ("sx", "sy", "sz")], axis=1)
 
     @cached_property
     def asked(self) -> Asked:
@@ -94,14 +112,17 @@ class Tree:
         one = self.terminals
         return np.asarray((one.high - one.low) * one.frames.scale[:, None])
 
+    def rows_of(self, kind: str) -> dict[int, int]:
+        """The shapes, or the terminals, by their keys: the first of each."""
+        if kind not in self._rows_of:
+            own = self.lineage.key if kind == "shape" else self.scene.instances.key
+            self._rows_of[kind] = {key: row for row, key in reversed([*enumerate(own.tolist())])}
+        return self._rows_of[kind]
+
     @cached_property
-    def rows_of(self) -> dict[str, dict[int, int]]:
-        """The shapes and the terminals by their keys: the first of each."""
-        keys = {"shape": self.lineage.key, "terminal": self.scene.instances.key}
-        return {
-            kind: {key: row for row, key in reversed([*enumerate(own.tolist())])}
-            for kind, own in keys.items()
-        }
+    def _rows_of(self) -> dict[str, dict[int, int]]:
+        """What `rows_of` has been asked for."""
+        return {}
 
     @cached_property
     def places(self) -> dict[str, tuple[Frames, Floats]]:
@@ -139,10 +160,12 @@ class Tree:
 
     @cached_property
     def parent(self) -> Integers:
+        """(n,) the shape that made each shape, -1 of the start."""
         return self.lineage.parent.astype(np.int64)
 
     @cached_property
     def owner(self) -> Integers:
+        """(m,) the shape that drew each terminal."""
         return self.lineage.drawer.astype(np.int64)
 
     @cached_property
@@ -161,7 +184,7 @@ class Tree:
         return {"shape": maps_of(self.frames), "terminal": maps_of(self.terminals.frames)}
 
     def __len__(self) -> int:
-        return len(self.names)
+        return len(self.lineage)
 
     @cached_property
     def first(self) -> Integers:
@@ -390,21 +413,8 @@ def tree_of(
             "this grammar draws no building: its shapes thread a turtle, or lie in one plane",
             hint="edits of buildings take grammars of scopes: split, comp, translate, insert",
         )
-    lineage = told[0]
-    count = len(lineage)
-    state = lineage.state
-    hand = np.sign(state.get("scale", np.ones(count)))
-    frames = Frames(
-        np.stack([state[axis] for axis in "xyz"], axis=1),
-        np.stack([state[axis] for axis in "wijk"], axis=1),
-        hand,
-        np.abs(state.get("scale", np.ones(count))),
-    )
-    size = np.stack([state.get(name, np.zeros(count)) for name in ("sx", "sy", "sz")], axis=1)
-    names = _names(draft.grammar, program, lineage)
     meshes = _meshes(scene, {} if like is None else _read_before(like))
-    terminals = _terminals(scene, meshes)
-    return Tree(draft, program, scene, lineage, names, frames, size, terminals, meshes)
+    return Tree(draft, program, scene, told[0], terminals_of(scene, meshes), meshes)
 
 
 def _read_before(tree: Tree) -> dict[AssetRef, Mesh]:
@@ -438,38 +448,6 @@ def _names(grammar: ast.Grammar, program: ir.Program, lineage: Lineage) -> tuple
         dotted = "." in symbol.name or bare or stem not in prefix
         found[number] = symbol.name if dotted else f"{prefix[stem]}.{symbol.name}"
     return tuple(found[number] for number in lineage.symbol.tolist())
-
-
-def _terminals(scene: Scene, meshes: Mapping[int, Mesh]) -> Terminals:
-    table = scene.instances
-    frames = Frames(
-        np.array(table.position),
-        np.array(table.rotation),
-        np.where(table.scale < 0, -1.0, 1.0),
-        np.abs(table.scale),
-    )
-    low, high = np.zeros((len(table), 3)), np.array(table.size, np.float64)
-    for number, mesh in meshes.items():
-        rows = (table.asset == number) & ~_fitted(scene, number)
-        low[rows], high[rows] = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-    outline = np.isin(table.asset, OUTLINES)
-    for shape in np.unique(table.shape[outline]).tolist():
-        rows = outline & (table.shape == shape)
-        points = scene.polygons[shape]
-        low[rows, : points.shape[1]], high[rows, : points.shape[1]] = (
-            np.nanmin(points, axis=0),
-            np.nanmax(points, axis=0),
-        )
-    high[table.asset == SEGMENT, 1:] = 0.0
-    labels = tuple(scene.labels[k] for k in table.label.tolist())
-    return Terminals(frames, low, high, labels)
-
-
-def _fitted(scene: Scene, asset: int) -> NDArray[np.bool_]:
-    """(m,) which terminals have an asset that fills their scope."""
-    table = scene.instances
-    own = [k for k, label in enumerate(scene.labels) if label == scene.assets[asset].name]
-    return np.asarray(~np.isin(table.label, own))
 
 
 def unknown(message: str, name: str, known: set[str]) -> IpmError:

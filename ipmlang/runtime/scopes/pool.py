@@ -68,13 +68,14 @@ class Pool:
         """Which geometries are polygons across z that do not fill their scope, () or (n,)."""
         if np.size(numbers) <= FEW:
             own = np.ravel(numbers).tolist()
-            few = np.array([self._is_flat(int(number)) for number in own], np.bool_)
+            few = np.array([self.is_flat(int(number)) for number in own], np.bool_)
             return few.reshape(np.shape(numbers))
         kinds, place = distinct(np.asarray(numbers))
-        flat = np.array([self._is_flat(int(number)) for number in kinds.tolist()], np.bool_)
+        flat = np.array([self.is_flat(int(number)) for number in kinds.tolist()], np.bool_)
         return flat[place].reshape(np.shape(numbers))
 
-    def _is_flat(self, number: int) -> bool:
+    def is_flat(self, number: int) -> bool:
+        """The same of one geometry."""
         if number not in self._flat:
             solid = self._solids[number]
             self._flat[number] = not self._boxes[number] and solid is not None and _is_across(solid)

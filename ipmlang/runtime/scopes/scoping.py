@@ -84,6 +84,8 @@ class Scoping(Copying):
         """The geometries of scopes that have a height: a polygon that is given one is its prism, as
         a rectangle is a box.
         """
+        if isinstance(geometry, float) and not self.pool.is_flat(int(geometry)):
+            return geometry
         if not np.any(height) or not np.any(self.pool.are_flat(geometry)):
             return geometry
         numbers = full(geometry, count)

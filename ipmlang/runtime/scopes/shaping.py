@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import TypeAlias
+from functools import cache as remember
+from typing import TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,7 +83,10 @@ class Given:
         return [
             place
             for place, (param, arg) in enumerate(zip(self._params, self.args, strict=True))
-            if _is_text(param) and np.size(arg) > 1 and len(distinct(np.asarray(arg))[0]) > 1
+            if isinstance(arg, np.ndarray)
+            and _is_text(param)
+            and arg.size > 1
+            and len(distinct(np.asarray(arg))[0]) > 1
         ]
 
 
@@ -90,6 +94,7 @@ def _is_text(param: Param) -> bool:
     return bool(param.words) or param.type == "string"
 
 
+@remember
 def _params(name: str, count: int) -> tuple[Param, ...]:
     """The parameters of the form of an operation that has so many."""
     return next(form for form in OPERATIONS[name].forms if len(form) == count)
@@ -192,13 +197,16 @@ def _inserted(given: Given, state: State, asset: int) -> State:
     natural = (high - low)[:, None]
     fit = given.word(1) or "scope"
     align = given.word(3) or ("corner" if fit == "none" else "middle")
-    same = all(
-        isinstance(each, float) for each in (*(state[name] for name in SIZES), given.args[2])
-    )
+    extents = tuple(state[name] for name in SIZES)
+    same = all(isinstance(each, float) for each in (*extents, given.args[2]))
+    if same and fit == "scope" and given.args[2] in (0.0, NOT_GIVEN):
+        own = _filled(given.pool, asset, natural[:, 0], cast("tuple[float, ...]", extents))
+        if own is not None:
+            return {**{axis: state[axis] for axis in boxes.AXES}, **own}
     count = 1 if same else given.count
     kept = full(given.args[2], count)
     keep = (kept != 0) & (kept != NOT_GIVEN) | (fit in ("none", "inside"))
-    scope = np.stack([full(state[name], count) for name in SIZES])
+    scope = np.stack([full(each, count) for each in extents])
     # an axis along which either has no extent says nothing of how much the asset is scaled
     there = (scope > 0) & (natural > 0)
     factors = np.where(there, scope / np.where(natural == 0, 1.0, natural), np.inf)
@@ -209,9 +217,22 @@ def _inserted(given: Given, state: State, asset: int) -> State:
     steps = np.where(scope > 0, (scope - sizes) * share, 0.0)
     x, y, z = steps[:, 0].tolist() if same else steps
     place = boxes.moved(state, (x, y, z))
-    extents = sizes[:, 0].tolist() if same else sizes
+    made = sizes[:, 0].tolist() if same else sizes
     number = float(given.pool.asset(asset))
-    return {**place, **dict(zip(SIZES, extents, strict=True)), "geo": number}
+    return {**place, **dict(zip(SIZES, made, strict=True)), "geo": number}
+
+
+def _filled(
+    pool: Pool, asset: int, natural: NDArray[np.float64], extents: tuple[float, ...]
+) -> State | None:
+    """The scope that an asset fills, where it and the scope extend along the same axes: that is
+    the scope as it was.
+    """
+    for extent, own in zip(extents, natural.tolist(), strict=True):
+        if not (0 < extent < math.inf if own > 0 else extent == 0):
+            return None
+    sizes = (extent + 0.0 for extent in extents)
+    return {**dict(zip(SIZES, sizes, strict=True)), "geo": float(pool.asset(asset))}
 
 
 def _tag(given: Given, state: State) -> State | None:
