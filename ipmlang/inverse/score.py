@@ -38,19 +38,14 @@ def placement_tokens(placed: Frames, small: float) -> Integers:
     >>> placement_tokens(frames(np.array([0, 3 + 4j, -3j]), np.array([0.0, 0, 90])), 1e-9).tolist()
     [1, 8, 10]
     """
-    x, y = _sized(placed.x, small), _sized(placed.y, small)
-    turned, scaled = np.abs(placed.angle) > SMALL, np.abs(placed.scale - 1) > SMALL
-    moved = (x > 1) | (y > 1) | (np.abs(placed.x) > small) | (np.abs(placed.y) > small)
-    sign = placed.angle < -SMALL
-    at = 3 + x + y + np.where(turned | scaled, 1 + sign, 0) + scaled
-    plain = np.where(turned, 4, 0) + np.where(scaled, 4, 0)
-    inside = np.where(moved, at, plain) + (placed.handedness < 0)
-    return np.where(inside > 0, inside + 3, 1).astype(np.int64)
-
-
-def _sized(value: NDArray[np.float64], small: float) -> Integers:
-    """Tokens of a number: 2 with a sign."""
-    return np.where(value < -small, 2, 1).astype(np.int64)
+    angle, scaled = placed.angle, np.abs(placed.scale - 1) > SMALL
+    turned, sign = np.abs(angle) > SMALL, angle < -SMALL
+    moved = (np.abs(placed.x) > small) | (np.abs(placed.y) > small)
+    at = np.add(placed.x < -small, placed.y < -small, dtype=np.int64)
+    at += (turned | scaled) + (sign + (scaled + np.int64(5)))
+    inside = np.where(moved, at, (turned + scaled.astype(np.int64)) * 4)
+    inside += placed.handedness < 0
+    return np.asarray(np.where(inside > 0, inside + 3, 1), np.int64)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -21,6 +21,7 @@ from ipmlang.inverse.grammar_file import Subject, Written, write_grammar
 from ipmlang.inverse.lattices.choice import Memory, with_lattices
 from ipmlang.inverse.lattices.spared import Said, layers_weight, said
 from ipmlang.inverse.lsystem.curves import moved
+from ipmlang.inverse.lsystem.fits import Fits
 from ipmlang.inverse.lsystem.importance import Measure
 from ipmlang.inverse.lsystem.journal import Journal
 from ipmlang.inverse.lsystem.rules import Search
@@ -76,9 +77,12 @@ class Way:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Memories:
-    """What searches of one drawing tell each other: trees and lattices that were looked for."""
+    """What searches of one drawing tell each other: trees, patterns and lattices that were looked
+    for.
+    """
 
     trees: TreeSearch = field(default_factory=TreeSearch)
+    fits: Fits = field(default_factory=Fits)
     lattices: Memory = field(default_factory=dict)
 
 
@@ -245,7 +249,7 @@ def _run(
 ) -> tuple[Arrangement, Journal]:
     """The string that a search leaves, and its journal; regular: what it begins with."""
     search = _noting(goal, instanced, instanced.string, Journal())
-    search.progress, search.trees = say, known.trees
+    search.progress, search.trees, search.fits = say, known.trees, known.fits
     search.note_lattices(regular)
     search.string = regular
     return search.run(), search.journal

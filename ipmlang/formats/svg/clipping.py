@@ -39,51 +39,57 @@ def needless_clips(
         for wrap in one.wraps:
             if wrap.viewport is not None:
                 held.setdefault(wrap, []).append(index)
-    tips = _tips(placed, outlines, {index for indices in held.values() for index in indices})
-    needless: set[tuple[Wrap, int]] = set()
-    for wrap, indices in held.items():
-        inside = _within(wrap, indices, placed, outlines, tips)
-        if len(inside) == len(indices):
-            needless.update((wrap, index) for index in indices)
-    return needless
-
-
-def _within(
-    wrap: Wrap,
-    indices: list[int],
-    placed: Sequence[Placed],
-    outlines: Sequence[Outline | None],
-    tips: _Tips,
-) -> list[int]:
-    """The elements that lie within the viewport of a wrap."""
-    shapes = [
-        (index, shape)
+    shown = [
+        _Held(number, index, shape)
+        for number, indices in enumerate(held.values())
         for index in indices
         if (shape := outlines[index] or _frame(placed[index])) is not None
     ]
-    if wrap.viewport is None or not shapes:
-        return []
-    back = inverse(wrap.effect.matrix)
-    linear = np.array([[back[0], back[2]], [back[1], back[3]]])
-    kind = np.concatenate([shape.kind for _, shape in shapes])
-    coords = np.concatenate([shape.coords for _, shape in shapes])
-    counts = np.array([len(shape.kind) for _, shape in shapes])
+    if not shown:
+        return set()
+    inside = _inside(list(held), shown, placed, _tips(placed, outlines, (each.index for each in shown)))
+    often = np.bincount([each.wrap for each in shown], inside, len(held)).tolist()
+    return {
+        (wrap, index)
+        for (wrap, indices), count in zip(held.items(), often, strict=True)
+        if count == len(indices)
+        for index in indices
+    }
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Held:
+    """A shape under a viewport: the number of its wrap and its own, and its outline."""
+
+    wrap: int
+    index: int
+    shape: Outline
+
+
+def _inside(
+    wraps: Sequence[Wrap], shown: Sequence[_Held], placed: Sequence[Placed], tips: _Tips
+) -> NDArray[np.bool_]:
+    """(k,) which shapes lie within the viewports of their wraps, all looked at together."""
+    kind = np.concatenate([each.shape.kind for each in shown])
+    coords = np.concatenate([each.shape.coords for each in shown])
+    counts = np.array([len(each.shape.kind) for each in shown])
+    wrap = np.array([each.wrap for each in shown])
+    back = np.array([inverse(each.effect.matrix) for each in wraps])
+    boxes = segment_boxes(kind, transform_segments(kind, coords, back[np.repeat(wrap, counts)]))
+    linear = back[:, [[0, 2], [1, 3]]]
+    pens = np.array([pen_extent(placed[each.index].style, linear[each.wrap]) for each in shown])
     begins = np.cumsum(counts) - counts
-    boxes = segment_boxes(kind, transform_segments(kind, coords, np.array(back)))
-    pens = np.array([pen_extent(placed[index].style, linear) for index, _ in shapes])
     low = np.minimum.reduceat(boxes[:, :2], begins) - pens
     high = np.maximum.reduceat(boxes[:, 2:], begins) + pens
-    row_of = np.full(len(placed), -1)
-    row_of[[index for index, _ in shapes]] = np.arange(len(shapes))
-    here = row_of[tips.element] >= 0
-    mapped = tips.points[here] @ linear.T + np.array(back[4:])
-    np.minimum.at(low, row_of[tips.element[here]], mapped)
-    np.maximum.at(high, row_of[tips.element[here]], mapped)
-    x, y, width, height = wrap.viewport
-    slack = _SLACK * (abs(x) + abs(y) + width + height)
-    fits = (low >= np.array([x, y]) - slack).all(axis=1)
-    fits &= (high <= np.array([x + width, y + height]) + slack).all(axis=1)
-    return [index for (index, _), fit in zip(shapes, fits.tolist(), strict=True) if fit]
+    row, tip = tips.of(np.array([each.index for each in shown]))
+    mapped = np.einsum("kij,kj->ki", linear[wrap[row]], tips.points[tip]) + back[wrap[row], 4:]
+    np.minimum.at(low, row, mapped)
+    np.maximum.at(high, row, mapped)
+    viewports = np.array([each.viewport for each in wraps], np.float64)
+    corner, size = viewports[wrap, :2], viewports[wrap, 2:]
+    slack = _SLACK * (np.abs(corner).sum(axis=1) + size.sum(axis=1))[:, None]
+    fits = (low >= corner - slack) & (high <= corner + size + slack)
+    return np.asarray(fits.all(axis=1))
 
 
 def _frame(one: Placed) -> Outline | None:
@@ -122,13 +128,23 @@ class _Tips:
     points: Floats
     element: NDArray[np.intp]
 
+    def of(self, elements: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Rows of some elements (k,) and of their tips, one of each for every tip."""
+        order = np.argsort(self.element, kind="stable")
+        known = self.element[order]
+        first = np.searchsorted(known, elements)
+        counts = np.searchsorted(known, elements, side="right") - first
+        row = np.repeat(np.arange(len(elements)), counts)
+        before = np.cumsum(counts) - counts
+        return row, order[np.repeat(first - before, counts) + np.arange(len(row))]
+
 
 def _tips(
     placed: Sequence[Placed], outlines: Sequence[Outline | None], indices: Iterable[int]
 ) -> _Tips:
     """The tips of some elements, those of one style together."""
     alike: dict[Style, list[tuple[int, Outline]]] = {}
-    for index in sorted(indices):
+    for index in sorted(set(indices)):
         outline = outlines[index]
         if outline is not None:
             alike.setdefault(placed[index].style, []).append((index, outline))

@@ -22,6 +22,8 @@ Index: TypeAlias = int | slice | Rows | tuple[int | slice | Rows | EllipsisType 
 Row: TypeAlias = tuple[float, float, float, float, int]  # x, y, angle, scale, handedness
 
 QUARTERS = np.array([1, 1j, -1, -1j])  # the powers of i
+# As arrays, which numpy need not convert for each of very many short columns.
+QUARTER, HALF, WHOLE = np.array(90.0), np.array(180.0), np.array(360.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,15 +85,19 @@ def frames(
     3
     """
     at = np.asarray(position, np.complex128)
-    turn, size = np.empty(at.shape), np.empty(at.shape)
+    turn, size = np.zeros(at.shape), np.empty(at.shape)
     hand = np.empty(at.shape, np.int8)
-    turn[...], size[...], hand[...] = angle, scale, handedness
-    return Frames(at.real.copy(), at.imag.copy(), wrap(turn), size, hand)
+    size[...], hand[...] = scale, handedness
+    if not isinstance(angle, float) or angle:
+        turn[...] = angle
+        turn = wrap(turn)
+    return Frames(at.real.copy(), at.imag.copy(), turn, size, hand)
 
 
 def identity(count: int) -> Frames:
     """`count` frames at the origin that change nothing."""
-    return frames(np.zeros(count, np.complex128))
+    nothing, one = np.zeros((3, count)), np.ones(count)
+    return Frames(*nothing, one, one.astype(np.int8))
 
 
 def join(parts: list[Frames]) -> Frames:
@@ -177,14 +183,15 @@ def unit(angle: Floats) -> Complexes:
     turn = np.asarray(angle, np.float64)
     made = np.empty(turn.shape, np.complex128)
     # Most things in a drawing stand upright, and one look tells.
-    if not turn.any():
+    if not np.count_nonzero(turn):
         made.fill(1.0)
         return made
-    quarter = np.rint(turn / 90.0)
-    rest = np.deg2rad(turn - 90.0 * quarter)
-    made.real, made.imag = np.cos(rest), np.sin(rest)
-    if quarter.any():
-        made *= QUARTERS[quarter.astype(np.int64) & 3]
+    quarter = np.rint(turn / QUARTER)
+    rest = np.deg2rad(turn - QUARTER * quarter)
+    np.cos(rest, out=made.real)
+    np.sin(rest, out=made.imag)
+    if np.count_nonzero(quarter):
+        made *= QUARTERS.take(quarter.astype(np.int64), mode="wrap")
     else:
         made.imag += 0.0
     return made
@@ -196,7 +203,7 @@ def wrap(angle: Floats) -> Floats:
     >>> wrap(np.array([-180.0, 270.0, 30.0])).tolist()
     [180.0, -90.0, 30.0]
     """
-    return np.asarray(angle - 360.0 * np.ceil((angle - 180.0) / 360.0), np.float64)
+    return np.asarray(angle - WHOLE * np.ceil((angle - HALF) / WHOLE), np.float64)
 
 
 def _fixed(given: Frames) -> Frames:
