@@ -87,6 +87,8 @@ def parameters(table: Floats, errors: Floats, varying: Flags, means: Means) -> P
     """
     most, room = means.affordable, means.room - means.brackets
     waiting = np.flatnonzero(varying)
+    if len(waiting) and not most:
+        return None
     own = table[:, waiting]
     close = _collinear(own, errors[waiting])
     if _directions(close) > most:

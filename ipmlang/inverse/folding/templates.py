@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.compiler import ast
-from ipmlang.inverse.folding.fits import HEAD, MOST, READ, Fit, Rounding, fits
+from ipmlang.inverse.folding.fits import MOST, READ, Fit, Rounding, fits
+from ipmlang.inverse.folding.least import least_tokens
 from ipmlang.inverse.folding.parameters import Parameters, Said, parameters
 from ipmlang.inverse.folding.rows import LABELS, Row, element, moved, with_numbers
 from ipmlang.inverse.folding.symbols import LABEL, MARK, Given, given_symbols, with_marks
@@ -79,9 +80,7 @@ def best_template(
     that cannot be parameters.
     """
     written = sum(row.tokens for each in stretches for row in each)
-    # The rule says each row at least once, and each call its name.
-    most = written - sum(row.least for row in stretches[0]) - len(stretches) - HEAD
-    if most < needed:
+    if written - least_tokens(stretches, given) < needed:
         return None
     symbols = given_symbols(stretches, bound)
     if symbols is None:

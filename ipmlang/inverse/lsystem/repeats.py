@@ -41,17 +41,20 @@ def find_repeats(labels: Integers, weight: NDArray[np.float64], most: int) -> li
     if len(labels) < 2:
         return []
     suffixes, common = _suffixes(labels)
-    total = np.concatenate([[0.0], np.cumsum(weight)])
+    total = np.concatenate([[0.0], np.cumsum(weight)]).tolist()
+    begins = suffixes.tolist()
     sized: dict[int, list[tuple[float, int, int, int]]] = {}
     for length, left, right in _nodes(common):
-        first = int(suffixes[left])
+        first = begins[left]
         often = min(right - left, (len(labels) + length) // length)
-        covered = float(total[first + length] - total[first]) * often
+        covered = (total[first + length] - total[first]) * often
         sized.setdefault(length.bit_length(), []).append((-covered, length, left, right))
     found: dict[tuple[int, int, int], Repeat] = {}
     for bits in sorted(sized, reverse=True):
         for _, length, left, right in sorted(sized[bits])[:most]:
-            repeat = _primitive(Repeat(length, np.sort(suffixes[left:right])))
+            places = suffixes[left:right].copy()
+            places.sort()
+            repeat = _primitive(Repeat(length, places))
             found.setdefault((repeat.length, int(repeat.places[0]), len(repeat.places)), repeat)
     return list(found.values())
 
@@ -59,32 +62,45 @@ def find_repeats(labels: Integers, weight: NDArray[np.float64], most: int) -> li
 def _primitive(repeat: Repeat) -> Repeat:
     """The period of a stretch that overlaps its next occurrence, else the stretch itself."""
     places = repeat.places
-    gap = int(np.diff(places).min())
+    gap = int((places[1:] - places[:-1]).min())
     if gap > repeat.length:
         return repeat
-    # Only where a chain of overlapping occurrences ends are there places not known yet.
-    ends = places[~np.isin(places + gap, places)]
     more = np.arange(gap, repeat.length - gap + 2, gap)
+    if not len(more):
+        return Repeat(gap - 1, places)
+    # Only where a chain of overlapping occurrences ends are there places not known yet.
+    after = np.searchsorted(places, places + gap)
+    ends = places[np.append(places, -1)[after] != places + gap]
     if len(ends) * len(more) > 4 * (len(places) + repeat.length):
-        more = more[:0]
+        return Repeat(gap - 1, places)
     return Repeat(gap - 1, np.union1d(places, (ends[:, None] + more).ravel()))
 
 
 def _suffixes(labels: Integers) -> tuple[Integers, Integers]:
     """Suffixes in order (n,), and the common length of each with the one before it (n,)."""
     count = len(labels)
-    rank = np.unique(labels, return_inverse=True)[1].astype(np.int64).ravel()
+    rank = _ranks(labels)
     ranks = [rank]
     step = 1
     while step < count and int(rank.max()) < count - 1:
         later = np.full(count, -1, np.int64)
         later[: count - step] = rank[step:]
         key = rank * (count + 1) + later + 1
-        rank = np.unique(key, return_inverse=True)[1].astype(np.int64).ravel()
+        rank = _ranks(key)
         ranks.append(rank)
         step *= 2
     order = np.argsort(rank, kind="stable")
     return order, _common(ranks, order)
+
+
+def _ranks(keys: Integers) -> Integers:
+    """(n,) how many smaller keys there are, equal ones counting once."""
+    order = np.argsort(keys, kind="stable")
+    known = keys[order]
+    rank = np.empty(len(keys), np.int64)
+    rank[order[0]] = 0
+    rank[order[1:]] = np.cumsum(known[1:] != known[:-1])
+    return rank
 
 
 def _common(ranks: list[Integers], order: Integers) -> Integers:
