@@ -34,7 +34,6 @@ if TYPE_CHECKING:
 
 AXIOM = -1
 LEAST = 6  # tokens that a group must save to be worth a name
-NOWHERE: Integers = np.zeros(0, np.int64)
 
 
 @dataclass(slots=True, eq=False)
@@ -369,19 +368,22 @@ def regauge(book: Book, rule: int, change: Frames) -> None:
     for loop in book.loops.values():
         if book.family.get(loop.part, loop.part) == rule and rule not in book.loops:
             loop.pattern = loop.pattern.about(compose(loop.pattern.inside, change))
+    for name, rows in naming(book, rule):
+        body = book.bodies[name]
+        moved = compose(body.places[rows], change)
+        book.bodies[name] = body.moved(replaced(body.places, rows, moved))
+
+
+def naming(book: Book, rule: int) -> list[tuple[int, Integers]]:
+    """The bodies that name a rule or terminal, and which of their members (k,) do."""
+    kin = {part for part, family in book.family.items() if family == rule}
+    kin |= {rule} if book.family.get(rule, rule) == rule else set()
+    found: list[tuple[int, Integers]] = []
     for name, body in book.bodies.items():
-        rows = naming(book, body, rule)
-        if len(rows):
-            moved = compose(body.places[rows], change)
-            book.bodies[name] = body.moved(replaced(body.places, rows, moved))
-
-
-def naming(book: Book, body: Body, rule: int) -> Integers:
-    """(k,) which members of a body name a rule or terminal."""
-    found = [rows for part, rows in body.rows.items() if book.family.get(part, part) == rule]
-    if len(found) == 1:
-        return found[0]
-    return np.sort(np.concatenate(found)) if found else NOWHERE
+        rows = [body.rows[part] for part in kin if part in body.rows]
+        if rows:
+            found.append((name, rows[0] if len(rows) == 1 else np.sort(np.concatenate(rows))))
+    return found
 
 
 def in_loop(book: Book, rule: int) -> bool:

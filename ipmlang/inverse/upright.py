@@ -21,9 +21,9 @@ from ipmlang.inverse.lsystem.frames import (
     replaced,
 )
 from ipmlang.inverse.lsystem.patterns import Pattern
-from ipmlang.inverse.lsystem.symbols import Alphabet
+from ipmlang.inverse.lsystem.symbols import Alphabet, Integers
 from ipmlang.inverse.score import SMALL, placement_tokens
-from ipmlang.inverse.simplify import AXIOM, Book, in_loop, naming, regauge
+from ipmlang.inverse.simplify import AXIOM, Body, Book, in_loop, naming, regauge
 
 CANDIDATES = 6  # frames tried for one rule
 MANY = 64  # equivalent frames beyond which a shape is left as it is placed
@@ -50,17 +50,20 @@ def _downwards(book: Book) -> list[int]:
 
 def _place_simply(book: Book, alphabet: Alphabet, every: bool) -> None:
     """Equivalent frames with fewest tokens; `every`: for rules too, whose frames are as found."""
+    named: dict[int, list[tuple[Body, Integers]]] = {}
     for body in book.bodies.values():
         for part, rows in body.rows.items():
-            definition = alphabet[part]
-            plain = definition.terminal and part not in book.assets
-            if not (plain or every) or len(definition.stabiliser) > MANY:
-                continue
-            if len(definition.stabiliser) > 1 or definition.free:
-                better = simplest_of(
-                    body.places[rows], definition.stabiliser, definition.free, book.small
-                )
-                body.places = replaced(body.places, rows, better)
+            named.setdefault(part, []).append((body, rows))
+    for part, uses in named.items():
+        definition, group = alphabet[part], alphabet[part].stabiliser
+        plain = definition.terminal and part not in book.assets
+        if not (plain or every) or len(group) > MANY or (len(group) == 1 and not definition.free):
+            continue
+        places = join([body.places[rows] for body, rows in uses])
+        better, before = simplest_of(places, group, definition.free, book.small), 0
+        for body, rows in uses:
+            body.places = replaced(body.places, rows, better[before : before + len(rows)])
+            before += len(rows)
 
 
 def simplest_of(places: Frames, group: Frames, free: bool, small: float) -> Frames:
@@ -103,10 +106,9 @@ def _absorb_insides(book: Book) -> None:
 def _uses(book: Book, part: int, change: Frames) -> int:
     """Tokens of all places of a symbol after a change of its frame."""
     total = 0
-    for body in book.bodies.values():
-        rows = naming(book, body, part)
-        if len(rows):
-            total += int(placement_tokens(compose(body.places[rows], change), book.small).sum())
+    for name, rows in naming(book, part):
+        places = compose(book.bodies[name].places[rows], change)
+        total += int(placement_tokens(places, book.small).sum())
     for loop in book.loops.values():
         if book.family.get(loop.part, loop.part) == part:
             inside = compose(loop.pattern.inside, change)
@@ -116,8 +118,7 @@ def _uses(book: Book, part: int, change: Frames) -> int:
 
 def _places_of(book: Book, part: int) -> Frames:
     """All places of a rule or terminal, those in the same body together."""
-    named = ((body, naming(book, body, part)) for body in book.bodies.values())
-    return join([body.places[rows] for body, rows in named if len(rows)])
+    return join([book.bodies[name].places[rows] for name, rows in naming(book, part)])
 
 
 def _are_plain(places: Frames) -> bool:
@@ -133,10 +134,17 @@ def _turn_rule(book: Book, alphabet: Alphabet, rule: int) -> None:
         return
     nowhere = np.zeros(len(uses.x), np.complex128)
     back = inverse(frames(nowhere, uses.angle, uses.scale, uses.handedness))
-    kinds = np.stack([np.round(back.angle, 6), back.handedness, np.round(back.scale, 6)], axis=1)
-    _, first, often = np.unique(kinds, axis=0, return_index=True, return_counts=True)
-    order = np.lexsort((first, -often))[:CANDIDATES]
-    turns = [back[first[k] : first[k] + 1] for k in order.tolist()]
+    kinds = zip(
+        np.round(back.angle, 6).tolist(),
+        back.handedness.tolist(),
+        np.round(back.scale, 6).tolist(),
+        strict=True,
+    )
+    alike: dict[tuple[float, int, float], list[int]] = {}
+    for row, kind in enumerate(kinds):
+        alike.setdefault(kind, []).append(row)
+    often = sorted(alike.values(), key=lambda rows: (-len(rows), rows[0]))[:CANDIDATES]
+    turns = [back[rows[0] : rows[0] + 1] for rows in often]
     if rule in book.loops:
         turns = [turn for turn in turns if _turnable(book, alphabet, rule, turn)]
     options = join([identity(1), *turns])

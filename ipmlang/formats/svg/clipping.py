@@ -47,7 +47,9 @@ def needless_clips(
     ]
     if not shown:
         return set()
-    inside = _inside(list(held), shown, placed, _tips(placed, outlines, (each.index for each in shown)))
+    inside = _inside(
+        list(held), shown, placed, _tips(placed, outlines, (each.index for each in shown))
+    )
     often = np.bincount([each.wrap for each in shown], inside, len(held)).tolist()
     return {
         (wrap, index)

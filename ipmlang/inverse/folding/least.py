@@ -14,7 +14,9 @@ from ipmlang.inverse.folding.fits import HEAD, READ, Rounding
 from ipmlang.inverse.folding.rows import Row
 
 PLACE = 7  # `[at(x, y) … ]`
-INSIDE = 4  # of those where a bracket of rows stands, which may share its brackets with what is in it
+INSIDE = (
+    4  # of those where a bracket of rows stands, which may share its brackets with what is in it
+)
 APART = 16.0  # times the error of a number that two places are apart which no fit makes one
 TURNED = 1e-6  # degrees or ratio that no two equal turns or sizes are apart
 MOST = 16  # rows of which each two are compared

@@ -173,9 +173,22 @@ def plain_numbers(given: Sequence, fitted: Fitted) -> Fitted:
         delta = [round(value, digits + k) + 0.0 for value, k in further]
         plain = replace(pattern, base=_four(np.array(base)), delta=_four(np.array(delta)))
         plain = replace(plain, rest=round(pattern.rest, digits) + 0.0)
-        if worst(given, (plain, lead)) <= room:
+        if _may_be_right(given, plain, lead, room) and worst(given, (plain, lead)) <= room:
             return plain, lead
     return fitted
+
+
+def _may_be_right(given: Sequence, pattern: Pattern, lead: Frames, room: float) -> bool:
+    """Whether the last member is where an even pattern has it: what numbers that are too plain put
+    furthest off. Of other patterns nothing is known.
+    """
+    if pattern.kind != "even" or pattern.inner:
+        return True
+    last, placed = len(given) - 1, given.placed
+    x, y = (pattern.base[k] * last + pattern.delta[k] * last * last for k in range(2))
+    at = complex(lead.factor[0]) * complex(x * int(lead.handedness[0]), y)
+    off = abs(at + complex(lead.x[0] - placed.x[-1], lead.y[0] - placed.y[-1]))
+    return off <= room * (1 + 1e-6)
 
 
 def worst(given: Sequence, fitted: Fitted) -> float:

@@ -96,8 +96,8 @@ def frames(
 
 def identity(count: int) -> Frames:
     """`count` frames at the origin that change nothing."""
-    nothing, one = np.zeros((3, count)), np.ones(count)
-    return Frames(*nothing, one, one.astype(np.int8))
+    x, y, angle = np.zeros((3, count))
+    return Frames(x, y, angle, np.ones(count), np.ones(count, np.int8))
 
 
 def join(parts: list[Frames]) -> Frames:
