@@ -34,7 +34,7 @@ from ipmlang.edit.buildings.attachments import (  # noqa: E402
     settle,
     stretching,
 )
-from ipmlang.edit.buildings.tree import grown  # noqa: E402
+from ipmlang.edit.buildings.growing import grown  # noqa: E402
 from ipmlang.edit.draft import Draft  # noqa: E402
 
 REAL = ROOT / "../shared/data/mesh"

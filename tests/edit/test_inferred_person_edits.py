@@ -18,8 +18,9 @@ from inverse.buildings.answers import FOLDER, names
 from inverse.disguise import TURN, disguised, model_of
 
 from ipmlang import edit
+from ipmlang.edit.buildings.growing import grown
 from ipmlang.edit.buildings.soundness import came_apart
-from ipmlang.edit.buildings.tree import Tree, grown
+from ipmlang.edit.buildings.tree import Tree
 from ipmlang.edit.buildings.units import tolerance
 from ipmlang.inverse import infer
 

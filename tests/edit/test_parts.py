@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from ipmlang import IpmError, edit
 from ipmlang.edit.arithmetic import literal
 from ipmlang.edit.buildings import dividing, pasting
+from ipmlang.edit.buildings.growing import grown
 from ipmlang.edit.buildings.pasting import Copying
 from ipmlang.edit.buildings.resizing import Wanted, resize
-from ipmlang.edit.buildings.tree import Tree, grown
+from ipmlang.edit.buildings.tree import Tree
 from ipmlang.edit.draft import Draft
 
 FILES = Path(__file__).parent / "buildings"

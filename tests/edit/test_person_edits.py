@@ -15,8 +15,9 @@ from edit.holding import pieces, token_changes
 
 from ipmlang import edit
 from ipmlang.compiler.diagnostics import IpmError
+from ipmlang.edit.buildings.growing import grown
 from ipmlang.edit.buildings.soundness import came_apart
-from ipmlang.edit.buildings.tree import Tree, grown
+from ipmlang.edit.buildings.tree import Tree
 from ipmlang.edit.buildings.units import tolerance
 
 ROOT = Path(__file__).parents[2]

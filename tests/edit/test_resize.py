@@ -15,11 +15,12 @@ from ipmlang import edit
 from ipmlang.compiler.diagnostics import IpmError
 from ipmlang.compiler.load import Loaded
 from ipmlang.edit import saving
-from ipmlang.edit.buildings import dividing, tree
+from ipmlang.edit.buildings import dividing, growing
 from ipmlang.edit.buildings.contacts import gaps, neighbours
+from ipmlang.edit.buildings.growing import grown
 from ipmlang.edit.buildings.resizing import Wanted, resize
 from ipmlang.edit.buildings.soundness import came_apart
-from ipmlang.edit.buildings.tree import Tree, grown
+from ipmlang.edit.buildings.tree import Tree
 from ipmlang.edit.buildings.units import selected, tolerance
 from ipmlang.edit.draft import Draft
 
@@ -259,13 +260,13 @@ def test_attributes_are_tried_on_the_program_that_is_known(
     draft = draft_of("floors", tmp_path)
     before = grown(draft)
     compiled: list[str] = []
-    compile_loaded = tree.compile_loaded
+    compile_loaded = growing.compile_loaded
 
     def noted(loaded: Loaded) -> object:
         compiled.append(loaded.main.source.text)
         return compile_loaded(loaded)
 
-    monkeypatch.setattr(tree, "compile_loaded", noted)
+    monkeypatch.setattr(growing, "compile_loaded", noted)
     made = resize(draft, "Facade", Wanted(y=19.2))
     assert "int   = 6 in" in made.text
     lots = [text for text in compiled if "box(15, 9, 0)" not in text]

@@ -13,9 +13,9 @@ import pytest
 from ipmlang import edit
 from ipmlang.compiler import ast
 from ipmlang.compiler.nodes import nodes
-from ipmlang.edit.buildings import Wanted, contacts, paste, resize, tree
+from ipmlang.edit.buildings import Wanted, contacts, growing, paste, resize
+from ipmlang.edit.buildings.growing import grown
 from ipmlang.edit.buildings.measuring import Measured, measured
-from ipmlang.edit.buildings.tree import grown
 from ipmlang.edit.draft import Draft
 from ipmlang.edit.places import places, places_in
 from ipmlang.edit.symbols import Asked, needed_names, taken_names, used_names
@@ -45,7 +45,7 @@ def test_an_edit_says_the_same_whatever_was_edited_before(folder: Path) -> None:
     assert larger(wall, "Window", 1.3) == first
     larger(edit.read(folder / "court.ipm"), "Bay", 1.2)
     assert larger(edit.read(folder / "wall.ipm"), "Window", 1.3) == first
-    tree._last_trees().clear()
+    growing._last_trees().clear()
     assert larger(edit.read(folder / "wall.ipm"), "Window", 1.3) == first
 
 

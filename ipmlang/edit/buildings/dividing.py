@@ -17,10 +17,11 @@ from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.edit.arithmetic import literal
 from ipmlang.edit.buildings.forms import EXTENTS, Forms
+from ipmlang.edit.buildings.growing import grown
 from ipmlang.edit.buildings.measuring import Unit
 from ipmlang.edit.buildings.rewriting import Placed, rewritten
 from ipmlang.edit.buildings.rows import Room, laid_out
-from ipmlang.edit.buildings.tree import grown, unknown
+from ipmlang.edit.buildings.tree import unknown
 from ipmlang.edit.buildings.units import selected, tolerance
 from ipmlang.edit.draft import Change, Draft
 from ipmlang.edit.symbols import Elements, free_name, with_modules

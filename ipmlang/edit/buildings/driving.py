@@ -19,10 +19,11 @@ from ipmlang.compiler.diagnostics import IpmError
 from ipmlang.compiler.format import format_expression
 from ipmlang.edit.arithmetic import literal, number_of
 from ipmlang.edit.buildings.deciding import Key, deciding
+from ipmlang.edit.buildings.growing import grown, tree_of
 from ipmlang.edit.buildings.measuring import Measured
 from ipmlang.edit.buildings.soundness import came_apart, follows, kinds_of, out_of_line, runs_into
-from ipmlang.edit.buildings.tree import Tree, grown, tree_of
-from ipmlang.edit.buildings.units import tolerance
+from ipmlang.edit.buildings.tree import Tree
+from ipmlang.edit.buildings.units import is_whole, tolerance
 from ipmlang.edit.draft import Change, Draft, with_items, with_parameters
 from ipmlang.edit.places import Place
 from ipmlang.inverse.frames import Floats, linear
@@ -119,7 +120,7 @@ def _draws_it(before: Tree, after: Tree, aim: Aim, axis: int) -> bool:
     """Whether a whole that is selected is drawn larger, too."""
     kind, key = aim.keys[0]
     rows = np.flatnonzero(before.lineage.key == np.uint64(key))
-    if kind != "shape" or len(before.below(int(rows[0]))) < len(before.owner):
+    if kind != "shape" or not is_whole(before, (kind, int(rows[0]))):
         return True
     own = before.frames[rows]
     axes = (linear(own)[0] / own.scale[0]).T

@@ -8,7 +8,7 @@ decided here about where anything goes.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
@@ -22,6 +22,7 @@ from ipmlang.edit.buildings.baking import Asset, Baking
 from ipmlang.edit.buildings.measuring import BOX, Measured, Unit, measured
 from ipmlang.edit.buildings.regularity import Part
 from ipmlang.edit.buildings.rows import Room, laid_out
+from ipmlang.edit.buildings.stretched_assets import NONE, Stretched
 from ipmlang.edit.buildings.tree import BOUND, Tree
 from ipmlang.edit.symbols import Asked, Elements
 from ipmlang.inverse.frames import Floats, Frames
@@ -57,9 +58,11 @@ class Forms:
     asked: Asked = field(init=False)
     _modules: dict[int, dict[int, ast.Module]] = field(default_factory=dict)
     measured: Measured = field(init=False)
+    stretched: Stretched = field(init=False)
 
     def __post_init__(self) -> None:
         self.measured, self.asked = measured(self.tree), Asked(self.tree.asked)
+        self.stretched = Stretched.of(self.tree.draft.grammar, self.new_name)
 
     # --------------------------------------------------------------------------- as it is
 
@@ -81,25 +84,41 @@ class Forms:
         if self.measured.fills(unit) and not turned:
             return self._said(unit, around, size)
         pens = self.pens(unit, around)
-        scope = call("size", *size)
+        own = base if turned and base is not None else self.measured.frame(unit)
         if kind == "shape":
-            own = base if turned and base is not None else self.measured.frame(unit)
-            return (*pens, scope, ast.Module(self._fit_rule(row, own)))
-        name = self.measured.name(unit)
+            return (*pens, call("size", *size), ast.Module(self._fit_rule(row, own)))
+        name, scope = self.measured.name(unit), [call("size", *size)]
         if turned or self.measured.is_solid(row):
-            name = self._bake(row, base if base is not None else self.measured.frame(unit)).name
-        return (*pens, scope, call("insert", ast.Name(name)), ast.Module(self._label(name)))
+            asset = self.bake(row, own)
+            name, scope = asset.name, self._scope_of(asset, unit, own, size)
+        return (*pens, *scope, call("insert", ast.Name(name)), ast.Module(self._label(name)))
+
+    def _scope_of(self, asset: Asset, unit: Unit, base: Frames, size: Vector) -> list[ast.Module]:
+        """The scope of a baked terminal where its box in the axes of a frame gets a size: what is
+        turned need not fill that.
+        """
+        around = self.measured.maps(base)
+        at = around.into @ self.measured.frame(unit).position[0] + around.origin
+        low, high = (each - at for each in self.measured.box_in(unit, base))
+        first, extent = asset.low - low, asset.high - asset.low
+        place = [_share(*each) for each in zip(first, high - low, size, strict=True)]
+        scope = [_share(*each) for each in zip(extent, high - low, size, strict=True)]
+        move = [] if all_nothing(place) else [call("translate", *place)]
+        return [*move, call("size", *scope)]
 
     def _label(self, name: str) -> str:
         if name not in self._labels:
             self._labels[name] = self.new_name(f"{name}_fitted")
         return self._labels[name]
 
-    def _bake(self, row: int, base: Frames) -> Asset:
+    def bake(self, row: int, base: Frames) -> Asset:
+        """A terminal as an asset in the axes of a frame."""
         if self.baking is None:
             self.baking = Baking(self.tree, self.new_name)
         self.pens(("terminal", row), int(self.tree.owner[row]))
-        return self.baking.bake(row, base)
+        asset = self.baking.bake(row, base)
+        self.stretched.own[asset.name] = asset.name, NONE
+        return asset
 
     def _said(self, unit: Unit, around: int, size: tuple[ast.Expr, ...]) -> Elements:
         kind, row = unit
@@ -116,7 +135,7 @@ class Forms:
                 scope.append(call("insert", ast.Name(self.tree.scene.assets[number].name)))
             return (*pens, *scope, ast.Module(self.measured.name(unit)))
         if number != SCOPE:
-            return (*pens, ast.Module(self._bake(row, self.measured.frame(unit)).name))
+            return (*pens, ast.Module(self.bake(row, self.measured.frame(unit)).name))
         geometry = self.tree.lineage.pens.get("geo")
         own = BOX if geometry is None else int(geometry[row])
         scope += self._geometry(own, row, around, self.tree.terminals.high[row])
@@ -238,6 +257,11 @@ class Forms:
         body, tables = laid_out(parts, Room(near), self.new_name, own, self.tables)
         self.tables += tables
         return body
+
+    @property
+    def taken(self) -> Set[str]:
+        """The names that were given."""
+        return self._taken
 
     def new_name(self, wish: str) -> str:
         """A name that nothing bears yet, taken from here on."""

@@ -137,16 +137,30 @@ class Measured:
         return points.min(axis=0), points.max(axis=0)
 
     def points(self, unit: Unit, base: Frames) -> Floats:
-        """(8k, 3) the corners of the boxes of the terminals of a unit, in a frame; nobody may write
-        to them.
+        """(k, 3) the corners of the boxes of the terminals of a unit, in a frame; of those that
+        stand askew in it, what they draw. Nobody may write to them.
         """
         key = unit, id(base)
         if key not in self._points:
-            own = self.maps(base)
-            found = self.tree.corners_of(self.rows(unit)) @ own.into.T
+            own, rows = self.maps(base), self.rows(unit)
+            outs = own.into @ self.tree.maps["terminal"].out[rows]
+            found = self.tree.corners_of(rows) @ own.into.T
+            askew = self.tree.askew(outs, rows).tolist()
+            if askew:
+                places = self.tree.terminals.frames.position[rows] @ own.into.T
+                each = dict(enumerate(found.reshape(-1, 8, 3)))
+                for k in askew:
+                    each[k] = self.tree.outline(rows[k]) @ outs[k].T + places[k]
+                found = np.concatenate([*each.values()])
             found += own.origin
             self._points[key] = found
         return self._points[key]
+
+    def axes(self, unit: Unit, base: Frames) -> Floats:
+        """(3k, 3) the axes of the terminals of a unit, as rows of length 1 in those of a frame."""
+        found = self.maps(base).into @ self.tree.maps["terminal"].out[self.rows(unit)]
+        rows = found.transpose(0, 2, 1).reshape(-1, 3)
+        return np.asarray(rows / np.linalg.norm(rows, axis=1, keepdims=True))
 
     def extent(self, unit: Unit) -> Floats:
         """(3,) how large a unit is along its own axes: its scope, or where that has no extent, what
@@ -163,19 +177,28 @@ class Measured:
 
     def stretched(self, unit: Unit) -> Floats:
         """(3,) how many times as large as in their files assets of a unit are at least, along its
-        own axes, where they fill scopes; 1 where there are none, or they stand askew.
+        own axes, where they are stretched or fill scopes; 1 where there are none, or they stand
+        askew.
         """
+        found = self.stretches(unit)
+        return np.min(found, axis=0) if len(found) else np.ones(3)
+
+    def stretches(self, unit: Unit) -> list[Floats]:
+        """The same for each asset (3,)."""
         tree, found = self.tree, []
         for each in self.rows(unit):
-            mesh = tree.meshes.get(int(tree.scene.instances.asset[each]))
+            number = int(tree.scene.instances.asset[each])
             part: Unit = ("terminal", each)
-            if mesh is None or tree.is_natural(each) or not self.is_square(part, self.frame(unit)):
+            if number not in tree.meshes or not self.is_square(part, self.frame(unit)):
                 continue
-            natural = np.ptp(mesh.vertices, axis=0)
-            size = tree.terminals.high[each] * self.frame(part).scale[0]
+            own = np.array(tree.scene.assets[number].stretch or (1.0, 1.0, 1.0))
+            if not tree.is_natural(each):
+                natural = np.ptp(tree.meshes[number].vertices, axis=0)
+                size = tree.terminals.high[each] * self.frame(part).scale[0]
+                own *= np.where(natural > 0, size / np.where(natural > 0, natural, 1), 1)
             axis = self.turned(part, self.frame(unit)).argmax(axis=1)
-            found.append(np.where(natural > 0, size / np.where(natural > 0, natural, 1), 1)[axis])
-        return np.min(found, axis=0) if found else np.ones(3)
+            found.append(own[axis])
+        return found
 
     def is_solid(self, row: int) -> bool:
         """Whether a terminal has a geometry that only its rule can say."""

@@ -18,9 +18,9 @@ from ipmlang.compiler.diagnostics import fail
 from ipmlang.compiler.nodes import mapped
 from ipmlang.edit.arithmetic import literal
 from ipmlang.edit.buildings.forms import EXTENTS, Forms
+from ipmlang.edit.buildings.growing import grown
 from ipmlang.edit.buildings.measuring import Unit
 from ipmlang.edit.buildings.rewriting import Placed, rewritten
-from ipmlang.edit.buildings.tree import grown
 from ipmlang.edit.buildings.units import selected
 from ipmlang.edit.draft import Draft
 from ipmlang.edit.symbols import Elements, defined_names

@@ -19,6 +19,8 @@ from ipmlang.runtime.scene import OUTLINES, SEGMENT, Scene
 if TYPE_CHECKING:
     from ipmlang.formats.mesh_types import Mesh
 
+FEW = 64  # points that are sooner looked at than enclosed
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Terminals:
@@ -89,4 +91,16 @@ def maps_of(frames: Frames) -> Maps:
     return Maps(turn, out, into, np.einsum("nij,nj->ni", into, -frames.position))
 
 
-__all__ = ["Maps", "Terminals", "maps_of", "terminals_of"]
+def outermost(points: Floats) -> Floats:
+    """Those of points (n, 3) that no others enclose, where there are many."""
+    if len(points) <= FEW:
+        return points
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        return np.asarray(points[ConvexHull(points).vertices])
+    except QhullError:  # they lie in one plane
+        return points
+
+
+__all__ = ["Maps", "Terminals", "maps_of", "outermost", "terminals_of"]

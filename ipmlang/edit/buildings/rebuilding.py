@@ -28,13 +28,16 @@ SAME = 1e-9
 
 @dataclass(slots=True, eq=False)
 class Rebuilt:
-    """Units in their new boxes: moved, stretched, split into rows of themselves, or joined."""
+    """Units in their new boxes: moved, stretched, split into rows of themselves, or joined; neither
+    of the last two unless `splits`.
+    """
 
     forms: Forms
     made: Units
     low: Floats
     high: Floats
     near: float
+    splits: bool = True
     sizing: Sizing = field(init=False)
     upright: Frames = field(init=False)
 
@@ -94,13 +97,17 @@ class Rebuilt:
         frame = Frames((moved @ axes)[None], base.rotation, base.hand, base.scale)
         shift = (moved - corner) @ axes
         grown = grown * np.minimum(1.0, measured.stretched(unit))
-        many = [1 if measured.fills(unit) else _copies(each) for each in grown.tolist()]
+        stays = measured.fills(unit) or not self.splits
+        many = [1 if stays else copies(each) for each in grown.tolist()]
         if max(many) > MOST:
             often = f"{max(many):,}" if max(many) < 10**6 else "over a million"
             what = f"`{measured.name(unit)}` would stand there {often} times"
             raise fail("bad-command", what, hint="choose a smaller size")
         if max(many) == 1:
-            return Placed(frame, self.sizing.said(unit, owner, size, base), shift)
+            sized, elements = self.sizing.placed(unit, owner, size, frame, base)
+            if sized is not frame:
+                shift = sized.position[0] - own.position[0]
+            return Placed(sized, elements, shift)
         repeated = tuple(axis for axis in range(3) if many[axis] > 1)
         elements = self.sizing.row(unit, owner, size, high - low, repeated, base)
         return Placed(frame, elements, shift)
@@ -108,7 +115,7 @@ class Rebuilt:
     def _join(self, ratio: Floats) -> set[int]:
         """The units that go because one beside them takes their room, too."""
         gone: set[int] = set()
-        for axis in range(3):
+        for axis in range(3 if self.splits else 0):
             small = [k for k in np.flatnonzero(ratio[:, axis] < LITTLE).tolist() if k not in gone]
             for run in _runs(self.forms, self.made, small, axis):
                 whole = sum(float(self.high[k, axis] - self.low[k, axis]) for k in run)
@@ -141,7 +148,7 @@ def evened(sizes: Floats, near: float) -> Floats:
     return found
 
 
-def _copies(ratio: float) -> int:
+def copies(ratio: float) -> int:
     """How many copies a part becomes that is stretched so much."""
     return 1 if ratio <= LARGE else max(2, round(ratio))
 

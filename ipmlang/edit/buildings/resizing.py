@@ -10,27 +10,38 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from typing import Literal, TypeAlias
 
 import numpy as np
 
-from ipmlang.compiler import collector
+from ipmlang.compiler import ast, collector
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail
+from ipmlang.edit.arithmetic import scaled
 from ipmlang.edit.buildings.attachments import Attached, attach, settle, stretching, warped
 from ipmlang.edit.buildings.deciding import Key
 from ipmlang.edit.buildings.driving import Aim, driven
 from ipmlang.edit.buildings.forms import Forms
-from ipmlang.edit.buildings.measuring import Unit
-from ipmlang.edit.buildings.rebuilding import Rebuilt
-from ipmlang.edit.buildings.rewriting import rewritten
+from ipmlang.edit.buildings.growing import grown
+from ipmlang.edit.buildings.measuring import Unit, measured
+from ipmlang.edit.buildings.rebuilding import MOST, Rebuilt, copies
+from ipmlang.edit.buildings.repeating import can_stand_on, repeated
+from ipmlang.edit.buildings.rewriting import Placed, rewritten
 from ipmlang.edit.buildings.soundness import check_sound, follows
-from ipmlang.edit.buildings.tree import Tree, grown
-from ipmlang.edit.buildings.units import Units, divided, selected, tolerance, whole
+from ipmlang.edit.buildings.tree import Tree
+from ipmlang.edit.buildings.units import Units, divided, is_whole, selected, tolerance, whole
 from ipmlang.edit.draft import Draft
-from ipmlang.inverse.frames import Floats, linear
+from ipmlang.inverse.frames import Floats, Frames, linear
 
 SMALLEST = 10  # times how near touches, that something is at least
 SAME = 1e-9
+UP = np.array([0.0, 0.0, 1.0])
+
+
+Way: TypeAlias = Literal["shares", "units", "terminals"]
+"""Everything keeps its shares of the whole; or the attachments of units, or of all terminals, are
+solved."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +77,22 @@ class Wanted:
             assert value is not None
             found[axis] = size[axis] * value if self.factors else value
         return found
+
+
+def _with_lot(draft: Draft, tree: Tree, unit: Unit, factor: Floats) -> Draft:
+    """The draft of a whole that is so many times as large with a lot that follows, which no rule
+    asks about.
+    """
+    if not is_whole(tree, unit) or measured(tree).reads_lot():
+        return draft
+    if np.abs(_axes(tree, unit) - np.eye(3)).max() > SAME:
+        return draft
+    items = dict(enumerate(draft.grammar.items))
+    for number, item in items.items():
+        if isinstance(item, ast.Start) and item.place is not None and item.place.kind == "box":
+            args = tuple(map(scaled, item.place.args, factor.tolist()))
+            items[number] = replace(item, place=replace(item.place, args=args))
+    return replace(draft, grammar=replace(draft.grammar, items=tuple(items.values())))
 
 
 @collector.held()
@@ -112,7 +139,9 @@ def resize(
         if found is not None:
             return found
         forms.tree = tree.of(_told(draft, meant.refused))
-    return _stretched(forms, picked, aim / np.where(size > 0, size, 1.0), wanted.along)
+    factor = aim / np.where(size > 0, size, 1.0)
+    made = _stretched(forms, picked, factor, wanted.along)
+    return _with_lot(made, tree, picked[0], factor)
 
 
 def _told(draft: Draft, refused: Sequence[str]) -> Draft:
@@ -151,27 +180,94 @@ def _key(forms: Forms, unit: Unit) -> Key:
 
 def _stretched(forms: Forms, picked: Sequence[Unit], factor: Floats, along: Sequence[int]) -> Draft:
     """The draft with places and sizes from the attachments of units; of all terminals, where units
-    do not hold together.
+    do not hold together. A whole that is stretched too far stands there several times.
     """
-    try:
-        return _attempted(forms, picked, factor, along, fine=False)
-    except IpmError:
-        return _attempted(Forms(forms.tree), picked, factor, along, fine=True)
+    if is_whole(forms.tree, picked[0]) and np.ptp(factor) <= SAME:
+        return _scaled(forms, picked[0], float(factor[0]))
+    often = _repeats(forms, picked[0], factor)
+    if max(often) > 1:
+        return _repeated(forms, picked, factor / often, along, often)
+    ways: list[Way] = ["shares", "units"] if _is_model(forms, picked[0]) else ["units"]
+    for way in ways:
+        with suppress(IpmError):
+            return _attempted(Forms(forms.tree), picked, factor, along, way)
+    return _attempted(Forms(forms.tree), picked, factor, along, "terminals")
+
+
+def _scaled(forms: Forms, unit: Unit, factor: float) -> Draft:
+    """The draft with a whole that is so many times as large along all axes, from its low corner."""
+    own = forms.measured.frame(unit)
+    low, _ = forms.measured.box_in(unit, own)
+    corner = forms.measured.maps(own).out @ low
+    frame = Frames(own.position + (1 - factor) * corner, own.rotation, own.hand, own.scale * factor)
+    elements = forms.plain(unit, forms.measured.owner(unit))
+    return grown(
+        rewritten(forms, {unit: [Placed(frame, elements)]}, what=f"{factor:g} times")
+    ).draft
+
+
+def _repeats(forms: Forms, unit: Unit, factor: Floats) -> list[int]:
+    """How often (3,) a whole building stands there that is to be so many times as large (3,): once,
+    where it was made smaller before, or would have to stand on what is no floor.
+    """
+    if not _is_model(forms, unit):
+        return [1, 1, 1]
+    before = forms.measured.stretches(unit)
+    usual = np.median(before, axis=0) if before else np.ones(3)
+    often = [copies(each) for each in (factor * np.minimum(1.0, usual)).tolist()]
+    if max(often) > MOST:
+        message = f"`{forms.measured.name(unit)}` would stand there {max(often):,} times"
+        raise fail("bad-command", message, hint="choose a smaller size")
+    up = int(np.abs(_axes(forms.tree, unit) @ UP).argmax())
+    if often[up] > 1 and not can_stand_on(forms, unit):
+        often[up] = 1
+    return often
+
+
+def _is_model(forms: Forms, unit: Unit) -> bool:
+    """Whether a unit is a whole building all of whose parts are read from files: such parts keep
+    their shares of it, as openings in one would not fit rows of another.
+    """
+    return is_whole(forms.tree, unit) and forms.measured.is_of_assets(unit)
+
+
+def _repeated(
+    forms: Forms, picked: Sequence[Unit], factor: Floats, along: Sequence[int], often: list[int]
+) -> Draft:
+    """The draft with a whole that is so many times as large as often as said along each axis."""
+    tree, symbol = forms.tree, forms.measured.name(picked[0])
+    made = tree.draft
+    rest = [axis for axis in along if abs(factor[axis] - 1) > SAME]
+    if rest:
+        one = np.where(np.isin(np.arange(3), rest), factor, 1.0)
+        made = _stretched(forms, picked, one, rest)
+    for axis, count in enumerate(often):
+        if count > 1:
+            made = repeated(made, symbol, axis, count)
+            symbol = whole(grown(made))
+    after = grown(made)
+    check_sound(tree, after, tolerance(tree))
+    return after.draft
 
 
 def _attempted(
-    forms: Forms, picked: Sequence[Unit], factor: Floats, along: Sequence[int], *, fine: bool
+    forms: Forms, picked: Sequence[Unit], factor: Floats, along: Sequence[int], way: Way
 ) -> Draft:
     tree = forms.tree
     near = tolerance(tree)
-    axes = _axes(forms, picked[0])
-    made = divided(forms, picked, axes, along, near, fine=fine)
+    axes = _axes(tree, picked[0])
+    made = divided(forms, picked, axes, along, near, fine=way == "terminals")
     system = _system(forms, made, picked, near)
     low, high = system.low.copy(), system.high.copy()
     for axis in along:
-        low[:, axis], high[:, axis] = _solved(forms, system, made, picked, axis, factor[axis])
+        low[:, axis], high[:, axis] = (
+            _warped(system, _boxes(system, made, picked)[0], axis, factor[axis])
+            if way == "shares"
+            else _solved(system, made, picked, axis, factor[axis])
+        )
     count = len(made.units)
-    at = Rebuilt(forms, made, low[:count], high[:count], near).placed()
+    splits = not _is_model(forms, picked[0])
+    at = Rebuilt(forms, made, low[:count], high[:count], near, splits).placed()
     result = rewritten(forms, at, what="resized")
     after = grown(result, like=tree)
     for axis in along:
@@ -187,17 +283,16 @@ def _check_followed(
     """Raises IpmError where a whole that is selected is not drawn larger by what is wanted: a rule
     that asks how large its scope is need not fill it.
     """
-    kind, row = picked[0]
-    whole = kind == "shape" and len(before.below(row)) == len(before.owner)
-    if whole and not follows(before, after, axes, axis, wanted):
+    row = picked[0][1]
+    if is_whole(before, picked[0]) and not follows(before, after, axes, axis, wanted):
         message = f"`{before.names[row]}` does not follow along its {'xyz'[axis]}"
         hint = "its rules say otherwise how large it is: ipmlang edit set"
         raise fail("cannot-edit-there", message, hint=hint)
 
 
-def _axes(forms: Forms, unit: Unit) -> Floats:
+def _axes(tree: Tree, unit: Unit) -> Floats:
     """(3, 3) the own axes of a unit, as rows."""
-    own = forms.measured.frame(unit)
+    own = measured(tree).frame(unit)
     return np.asarray((linear(own)[0] / own.scale[0]).T)
 
 
@@ -221,21 +316,32 @@ def _system(forms: Forms, made: Units, picked: Sequence[Unit], near: float) -> A
     return attach(low, high, near, np.array(held, np.int64).reshape(-1, 2))
 
 
-def _solved(
-    forms: Forms, system: Attached, made: Units, picked: Sequence[Unit], axis: int, factor: float
-) -> tuple[Floats, Floats]:
+def _boxes(system: Attached, made: Units, picked: Sequence[Unit]) -> list[int]:
+    """The numbers of the boxes of what is selected."""
     index = {unit: k for k, unit in enumerate(made.units)}
     extra = iter(range(len(made.units), len(system)))
-    boxes = [index[unit] if unit in index else next(extra) for unit in picked]
-    first = boxes[0]
-    count = len(system)
+    return [index[unit] if unit in index else next(extra) for unit in picked]
+
+
+def _warped(system: Attached, box: int, axis: int, factor: float) -> tuple[Floats, Floats]:
+    """All boxes where one is so many times as large: what lies within it keeps its shares."""
+    low, high = float(system.low[box, axis]), float(system.high[box, axis])
+    new = np.array([low, low + factor * (high - low)])
+    return warped(system, axis, np.array([low, high]), new)
+
+
+def _solved(
+    system: Attached, made: Units, picked: Sequence[Unit], axis: int, factor: float
+) -> tuple[Floats, Floats]:
+    boxes = _boxes(system, made, picked)
+    first, count = boxes[0], len(system)
+    if _is_all(system, first, axis, factor):
+        return _warped(system, first, axis, factor)
     faces = system.faces[:, axis]
     low, high, off = system.low[:, axis], system.high[:, axis], system.off[:, axis]
     size = high - low
     old = np.array([low[first], high[first]])
     new = np.array([old[0], old[0] + factor * size[first]])
-    if _is_all(system, first, axis, factor):
-        return warped(system, axis, old, new)
     pins = {int(faces[first]): float(new[0] - off[first])}
     pins[int(faces[first + count])] = float(new[1] - off[first + count])
     _ground(pins, system, made.axes, axis)
@@ -245,7 +351,7 @@ def _solved(
     fixed = np.array(sorted(pins), np.int64)
     own = stretching(system, axis, fixed, boxes, extents)
     found = settle(own, np.array([pins[each] for each in fixed.tolist()]))
-    return warped(system, axis, old, new) if found is None else found
+    return _warped(system, first, axis, factor) if found is None else found
 
 
 def _is_all(system: Attached, first: int, axis: int, factor: float) -> bool:

@@ -18,6 +18,7 @@ from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import fail
 from ipmlang.compiler.nodes import mapped
 from ipmlang.edit.buildings.forms import Forms
+from ipmlang.edit.buildings.kept_tables import with_kept_tables
 from ipmlang.edit.buildings.measuring import Unit
 from ipmlang.edit.buildings.sizing import inlined
 from ipmlang.edit.buildings.units import tolerance
@@ -71,16 +72,26 @@ class Rewriting:
         return Placed(frame, (*self._begin(row), ast.Module(self._variant(row, body))))
 
     def _followed(self, units: Sequence[Unit]) -> Floats | None:
-        """How far the parts went at least, where none stayed as it was."""
+        """How far most of the parts went; where no two went alike, the least way along each axis.
+        None where none says.
+        """
         found: list[Floats] = []
         for unit in units:
-            found += [each.shift for each in self.at.get(unit, ()) if each.shift is not None]
-            if unit[0] == "shape" and unit[1] in self.opened and unit not in self.at:
+            if unit in self.at:
+                found += [each.shift for each in self.at[unit] if each.shift is not None]
+            elif unit[0] == "shape" and unit[1] in self.opened:
                 before, after = self.forms.measured.frame(unit), self._once(unit[1]).frame
                 found.append(after.position[0] - before.position[0])
+            else:
+                found.append(np.zeros(3))
         if not found:
             return None
         shifts = np.array(found)
+        alike = np.abs(shifts[:, None] - shifts).max(axis=2) <= SAME * self.near
+        often = alike.sum(axis=1)
+        if often.max() > 1:
+            most = np.flatnonzero(often == often.max())
+            return np.asarray(shifts[most[np.linalg.norm(shifts[most], axis=1).argmin()]])
         return np.asarray(shifts[np.abs(shifts).argmin(axis=0), np.arange(3)])
 
     def _around(self, row: int) -> int:
@@ -200,13 +211,12 @@ def _with_rules(writing: Rewriting, axiom: Elements, what: str) -> Draft:
     said = inlined({"start": axiom, **said}, forms.brief, forms.tables, forms.asked)
     axiom = said.pop("start")
     every = {name: (every[name][0], body) for name, body in said.items()}
-    kept = _kept_names(writing, every, axiom)
-    renamed = {name: symbol for name, (symbol, _) in every.items() if name in kept}
+    renamed = _kept_names(writing, every, axiom)
     new: dict[str, list[ast.Rule]] = {}
     bodies: dict[str, Elements] = {}
     for name, (symbol, body) in every.items():
         body = _renamed(body, renamed, forms.asked)
-        if name in renamed:
+        if renamed.get(name) == symbol:
             bodies[symbol] = body
         else:
             new.setdefault(symbol, []).append(ast.Rule(ast.Head(name), body))
@@ -214,15 +224,19 @@ def _with_rules(writing: Rewriting, axiom: Elements, what: str) -> Draft:
     grammar = _placed_rules(draft.grammar, new, bodies, axiom)
     tables = [_renamed_rows(each, renamed) for each in forms.tables]
     grammar = _with_tables(grammar, tables, forms.asked)
-    before = needed_names(draft.grammar, forms.asked) | set(every)
+    if forms.baking is not None:
+        draft = forms.baking.with_assets(replace(draft, grammar=grammar))
+        grammar = draft.grammar
+    grammar = forms.stretched.with_items(grammar, renamed)
+    before = needed_names(forms.tree.draft.grammar, forms.asked) | set(every) | forms.taken
     grammar = without_names(grammar, before - needed_names(grammar, forms.asked))
+    grammar = with_kept_tables(forms.tree.draft.grammar, grammar, forms.asked)
     changes = [
         Change(symbol, "its parts", symbol if name in renamed else name)
         for name, (symbol, _) in writing.made.items()
     ]
     changes = changes or [Change("start", "its parts", what or "others")]
-    made = replace(draft, grammar=grammar, changes=(*draft.changes, *changes))
-    return made if forms.baking is None else forms.baking.with_assets(made)
+    return replace(draft, grammar=grammar, changes=(*draft.changes, *changes))
 
 
 def _with_tables(grammar: ast.Grammar, tables: Sequence[ast.Table], asked: Asked) -> ast.Grammar:
@@ -247,8 +261,10 @@ def _renamed_rows(table: ast.Table, names: Mapping[str, str]) -> ast.Table:
 
 def _kept_names(
     writing: Rewriting, every: Mapping[str, tuple[str, Elements]], axiom: Elements
-) -> set[str]:
-    """The variants that take the place of their rule: nothing else of it is drawn any more."""
+) -> dict[str, str]:
+    """The variants that take the place and the name of their rule or asset: nothing else of it is
+    drawn any more.
+    """
     forms, grammar = writing.forms, writing.forms.tree.draft.grammar
     heads = Counter(item.head.name for item in grammar.items if isinstance(item, ast.Rule))
     plain = {
@@ -271,11 +287,12 @@ def _kept_names(
         more = rules.get(waiting.pop(), set()) - called
         called |= more
         waiting += more
-    return {
-        names[0]
+    kept = {
+        names[0]: symbol
         for symbol, names in by_symbol.items()
         if len(names) == 1 and heads[symbol] == 1 and symbol in plain and symbol not in called
     }
+    return kept | forms.stretched.taking_over(called, drawn, forms.asked)
 
 
 def _renamed(body: Elements, names: Mapping[str, str], asked: Asked) -> Elements:

@@ -14,9 +14,9 @@ import numpy as np
 from ipmlang.compiler import ast
 from ipmlang.edit.buildings.regularity import Arranged, Part, said
 from ipmlang.edit.symbols import Elements
-from ipmlang.inverse.frames import Frames, join
+from ipmlang.inverse.frames import Floats, Frames, join
 from ipmlang.inverse.split.placing import Precision, Spot, placed, spots
-from ipmlang.inverse.split.wording import all_nothing, is_nothing
+from ipmlang.inverse.split.wording import all_nothing, call, is_nothing
 
 FEWEST, MANY, MIXED = 3, 4, 5  # parts of a row, rows of a table, and of one of several symbols
 COLUMNS = ("x", "y", "z", "rx", "ry", "rz")
@@ -61,6 +61,11 @@ def laid_out(
     body: list[ast.Element] = []
     tables: list[ast.Table] = []
     frames = join([frame for frame, _ in parts])
+    home = _home(frames, room)
+    if home is not None:
+        body.append(call("translate", *room.precision.vector(home)))
+        frames = Frames(frames.position - home, frames.rotation, frames.hand, frames.scale)
+        parts = [(frames[k : k + 1], elements) for k, (_, elements) in enumerate(parts)]
     at = room.spots(frames)
     if len(parts) < FEWEST:
         return tuple(placed(spot, own[1]) for spot, own in zip(at, parts, strict=True)), tables
@@ -90,6 +95,17 @@ def laid_out(
             body.append(ast.Repeat(ast.Rows("at", table.name, places=True), found.elements))
         begin = end
     return tuple(body), tables
+
+
+def _home(frames: Frames, room: Room) -> Floats | None:
+    """(3,) where so many parts stand that all are sooner told from there."""
+    places = np.round(frames.position / room.near).astype(np.int64)
+    found, first, count = np.unique(places, axis=0, return_index=True, return_counts=True)
+    most = int(count.argmax())
+    still = int(count[~found.any(axis=1)].sum())
+    if count[most] < FEWEST or count[most] <= still + 1:
+        return None
+    return np.asarray(frames.position[first[most]])
 
 
 def _alike_end(arranged: Arranged, begin: int) -> int:

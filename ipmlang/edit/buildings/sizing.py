@@ -8,7 +8,6 @@ files, which tells later edits how much they are stretched. Nothing is decided a
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
@@ -20,23 +19,56 @@ from ipmlang.edit.buildings.forms import Forms
 from ipmlang.edit.buildings.measuring import SQUARE, Unit
 from ipmlang.edit.buildings.regularity import Part
 from ipmlang.edit.buildings.rows import Room
+from ipmlang.edit.buildings.stretched_assets import WORD, WORDS
 from ipmlang.edit.symbols import Asked, Elements
-from ipmlang.inverse.frames import Floats, Frames
+from ipmlang.inverse.frames import Floats, Frames, compose, from_matrices, moved_to
+from ipmlang.inverse.numbers import shortest
 from ipmlang.inverse.split.wording import Vector, bracket, call
 
 MOST = 3  # sizes of a part with a rule each; one that comes in more is said in shares
 STAYS = 1e-3  # of how near touches, that a face may be off and has not moved
 ALIKE = 0.1  # of how near touches, by which sizes may differ that are the same
-SIZED = "_sized"  # what the name of such a rule ends with
+TURNED = 1e-4  # by which axes may differ that are the same
+EXACT = 1e-7  # of a factor, that it is off by at most, so that the same one does for many parts
+FLIPS = [np.array(each, float) for each in (
+    (1, 1, 1), (-1, -1, 1), (-1, 1, -1), (1, -1, -1), (-1, 1, 1), (1, -1, 1), (1, 1, -1),
+    (-1, -1, -1),
+)]  # fmt: skip
+"""What turns or mirrors a part and keeps its axes: turns first."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Content:
+    """What tells parts of one name apart: where the corners (k, 3) of their terminals are from the
+    lowest, and the axes (3m, 3) of these, as rows.
+    """
+
+    corners: Floats
+    axes: Floats
+
+    def flipped(self, signs: Floats) -> Content:
+        """The same turned or mirrored, by the signs (3,) of its axes."""
+        corners = self.corners * signs
+        return Content(corners - corners.min(axis=0), self.axes * signs)
+
+    def is_like(self, other: Content, near: float) -> bool:
+        """Whether two are one, to what touches."""
+        if self.corners.shape != other.corners.shape:
+            return False
+        off = np.abs(self.corners - other.corners).max(initial=0.0)
+        return bool(off <= near / 4 and np.abs(self.axes - other.axes).max(initial=0.0) <= TURNED)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sized:
-    """A rule that draws a part at one size (3,): what is in the part, and the rule's name."""
+    """A symbol that draws a part at one size (3,): what is in the part, the symbol's name, and
+    where (3,) it goes from the low corner.
+    """
 
     size: Floats
-    content: Floats
+    content: Content
     name: str
+    origin: Floats
 
 
 @dataclass(slots=True, eq=False)
@@ -47,17 +79,19 @@ class Sizing:
     near: float
     known: dict[object, list[Sized]] = field(default_factory=dict)
 
-    def said(self, unit: Unit, around: int, size: Floats, base: Frames) -> Elements:
-        """What draws a part (3,) large, whose low corner is the origin, in the axes of a frame;
-        `around` is the shape whose body it stands in.
+    def placed(
+        self, unit: Unit, around: int, size: Floats, frame: Frames, base: Frames
+    ) -> tuple[Frames, Elements]:
+        """A frame, and what draws a part in it (3,) large along the axes of `base`, so that its low
+        corner is the origin of `frame`; `around` is the shape whose body it stands in.
         """
         forms = self.forms
-        pens = forms.pens(unit, around)
         fitted = forms.measured.fills(unit) and forms.measured.is_square(unit, base)
-        found = None if fitted else self._rule(unit, size, base)
+        found = None if fitted else self._symbol(unit, size, base)
         if found is None:
-            return forms.fitted(unit, around, self._numbers(size), base)
-        return (*pens, ast.Module(found))
+            return frame, forms.fitted(unit, around, self._numbers(size), base)
+        own, name = found
+        return compose(frame, own), (*forms.pens(unit, around), ast.Module(name))
 
     def row(
         self, unit: Unit, around: int, size: Floats, natural: Floats, repeated: tuple[int, ...],
@@ -73,54 +107,104 @@ class Sizing:
     def _numbers(self, size: Floats) -> Vector:
         return Room(self.near).precision.vector(size)
 
-    def _like(self, known: Sequence[Sized], size: Floats, content: Floats) -> str | None:
-        for each in known:
-            if each.content.shape != content.shape:
-                continue
-            inside = np.abs(each.content - content).max(initial=0.0)
-            if inside <= self.near and np.abs(each.size - size).max() <= ALIKE * self.near:
-                return each.name
-        return None
+    def _like(self, known: Sequence[Sized], size: Floats, content: Content) -> Sized | None:
+        """The symbol that draws a part, if there is one: as large, and with the same in it."""
+        return next(
+            (
+                each
+                for each in known
+                if np.abs(each.size - size).max() <= ALIKE * self.near
+                and each.content.is_like(content, self.near)
+            ),
+            None,
+        )
 
-    def _rule(self, unit: Unit, size: Floats, base: Frames) -> str | None:
-        """The rule for a part of a size; None where it comes in too many, or is not of assets."""
+    def _symbol(self, unit: Unit, size: Floats, base: Frames) -> tuple[Frames, str] | None:
+        """The symbol for a part of a size, and its frame; None where it comes in too many sizes,
+        or is not of assets.
+        """
         forms = self.forms
         symbol = forms.measured.name(unit)
         if not forms.measured.is_of_assets(unit):
             return None
-        labels, content = self._content(unit, base)
+        labels = tuple([forms.tree.terminals.labels[row] for row in forms.measured.rows(unit)])
+        content = self._content(unit, base)
         known = self.known.setdefault((unit[0], symbol, labels), [])
-        found = self._like(known, size, content)
-        if found is not None or len(known) >= MOST:
-            return found
+        for signs in FLIPS:
+            found = self._like(known, size, content.flipped(signs))
+            if found is not None:
+                return _flip(signs, size, found.origin), found.name
+        if sum(each.content.is_like(content, self.near) for each in known) >= MOST:
+            return None
+        name, origin = self._made(unit, size, base)
+        known.append(Sized(size, content, name, origin))
+        return moved_to(origin), name
+
+    def _made(self, unit: Unit, size: Floats, base: Frames) -> tuple[str, Floats]:
+        """A new symbol for a part of a size, and where (3,) it goes from the low corner."""
+        forms = self.forms
+        symbol = forms.measured.name(unit)
         if unit[0] == "terminal":
+            found = self._stretched(unit, size, base)
+            if found is not None:
+                return found
             owner = forms.measured.owner(unit)
             body = forms.fitted(unit, owner, self._numbers(size), base)
             body = body[len(forms.pens(unit, owner)) :]
+            origin = np.zeros(3)
         else:
-            body = self._body(unit[1], size, base)
-        bare = re.sub(rf"{SIZED}(_\d+)?$", "", symbol.rpartition(".")[2])
-        name = forms.new_name(f"{bare}{SIZED}")
+            body, origin = self._body(unit[1], size, base)
+        bare = WORDS.sub("", symbol.rpartition(".")[2])
+        name = forms.new_name(f"{bare}{WORD}")
         forms.rules[name] = (symbol, body)
         (forms.variants if unit[0] == "shape" else forms.brief).add(name)
-        known.append(Sized(size, content, name))
-        return name
+        return name, origin
 
-    def _content(self, unit: Unit, base: Frames) -> tuple[tuple[str, ...], Floats]:
-        """What tells parts of one name apart: the labels of their terminals, and where the corners
-        (8m, 3) of these are from their lowest, in the axes of a frame.
-        """
-        measured, labels = self.forms.measured, self.forms.tree.terminals.labels
+    def _stretched(self, unit: Unit, size: Floats, base: Frames) -> tuple[str, Floats] | None:
+        """The asset of a terminal, stretched; None where it is none of the grammar's own."""
+        forms, tree = self.forms, self.forms.tree
+        row = unit[1]
+        if forms.measured.is_square(unit, base):
+            source = tree.drawn_assets[row]
+            low, high = forms.measured.box(unit)
+        else:
+            source = forms.bake(row, base).name
+            around = forms.measured.maps(base)
+            at = around.into @ forms.measured.frame(unit).position[0] + around.origin
+            low, high = (each - at for each in forms.measured.box_in(unit, base))
+        before = forms.stretched.factors(source)
+        if before is None:
+            return None
+        more = ratios(high - low, size, STAYS * self.near) * before
+        reach = np.maximum(np.abs(low), np.abs(high)) / before
+        found = [self._factor(*each) for each in zip(more.tolist(), reach.tolist(), strict=True)]
+        x, y, z = np.where(high > low, found, before).tolist()
+        name = forms.stretched.name(source, (x, y, z))
+        return name, -low / before * (x, y, z)
+
+    def _factor(self, value: float, reach: float) -> float:
+        """A factor as it is printed, of what reaches so far in its file."""
+        error = Room(self.near).precision.ratio(reach)
+        known = self.forms.stretched.near(value, error)
+        return shortest(value, min(error, EXACT)) if known is None else known
+
+    def _content(self, unit: Unit, base: Frames) -> Content:
+        measured = self.forms.measured
         own = measured.frame(unit) if measured.is_square(unit, base) else base
         local = measured.points(unit, own)
-        return tuple([labels[row] for row in measured.rows(unit)]), local - local.min(axis=0)
+        return Content(local - local.min(axis=0), measured.axes(unit, own))
 
-    def _body(self, row: int, size: Floats, base: Frames) -> Elements:
-        low, high = self.forms.measured.box_in(("shape", row), base)
+    def _body(self, row: int, size: Floats, base: Frames) -> tuple[Elements, Floats]:
+        """A body that draws a shape at a size, and where (3,) its origin is from the low corner."""
+        measured = self.forms.measured
+        unit: Unit = ("shape", row)
+        low, high = measured.box_in(unit, base)
         ratio = ratios(high - low, size, STAYS * self.near)
+        into = measured.maps(base)
+        origin = into.into @ measured.frame(unit).position[0] + into.origin
         parts: list[Part] = []
-        for each in self.forms.measured.inside(row, base, np.flatnonzero(ratio != 1).tolist()):
-            place = (each.corner - low) * ratio
+        for each in measured.inside(row, base, np.flatnonzero(ratio != 1).tolist()):
+            place = (each.corner - origin) * ratio
             own = each.frame
             grown = each.size * own_ratios(each.turned, ratio)
             if each.square and np.abs(grown - each.size).max() <= STAYS * self.near:
@@ -128,10 +212,18 @@ class Sizing:
                 frame = Frames(moved, own.rotation, own.hand, own.scale)
                 parts.append((frame, self.forms.plain(each.unit, row)))
                 continue
-            frame = Frames(place[None], own.rotation, own.hand, np.ones(1))
+            frame = Frames(place[None], own.rotation, own.hand, own.scale)
             axes = self.forms.measured.frame(each.unit) if each.square else base
-            parts.append((frame, self.said(each.unit, row, grown, axes)))
-        return self.forms.laid(row, parts, self.near)
+            parts.append(self.placed(each.unit, row, grown / own.scale[0], frame, axes))
+        return self.forms.laid(row, parts, self.near), (origin - low) * ratio
+
+
+def _flip(signs: Floats, size: Floats, origin: Floats) -> Frames:
+    """The frame of what goes to a place in a box of a size, of which some axes are turned round."""
+    if (signs > 0).all():
+        return moved_to(origin)
+    corner = np.where(signs < 0, size, 0.0) + signs * origin
+    return from_matrices(np.concatenate([np.diag(signs), corner[:, None]], axis=1)[None])
 
 
 def ratios(before: Floats, after: Floats, same: float) -> Floats:

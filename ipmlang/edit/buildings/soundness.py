@@ -15,7 +15,9 @@ from ipmlang.edit.buildings.contacts import gaps, neighbours, touching
 from ipmlang.edit.buildings.tree import Tree
 from ipmlang.inverse.frames import Floats
 
-MADE = re.compile(r"(_baked|_fitted)(_\d+)?")  # in the label of a terminal that was stretched
+MADE = re.compile(
+    r"(_baked|_fitted|_sized)(_\d+)?"
+)  # in the label of a terminal that was stretched
 NEAR = 1e-6  # of the diagonal
 ROUNDED = 0.5  # of a wanted change, that a whole may be off by; of parts, that may stay
 FAR = 0.1  # of a change, from which on a part is meant to move, and does

@@ -7,26 +7,19 @@ changed or judged here.
 
 from __future__ import annotations
 
-import operator
-from collections import deque
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cache as remember
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ipmlang.compiler import ast, collector, compile_file, compile_loaded, ir
-from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail, nearest
-from ipmlang.compiler.load import load_text
+from ipmlang.compiler import ast, ir
+from ipmlang.compiler.diagnostics import Diagnostic, IpmError, nearest
 from ipmlang.edit.buildings.asking import Asking
 from ipmlang.edit.buildings.contacts import neighbours
-from ipmlang.edit.buildings.placements import Maps, Terminals, maps_of, terminals_of
-from ipmlang.edit.draft import Draft, Drawn
-from ipmlang.edit.files import files_with
-from ipmlang.edit.saving import about, staged
+from ipmlang.edit.buildings.placements import Maps, Terminals, maps_of, outermost
+from ipmlang.edit.draft import Draft
 from ipmlang.edit.symbols import Asked, taken_names
 from ipmlang.inverse.frames import (
     Floats,
@@ -37,9 +30,8 @@ from ipmlang.inverse.frames import (
     inverse,
     linear,
 )
-from ipmlang.runtime import derive
 from ipmlang.runtime.lineage import Lineage
-from ipmlang.runtime.scene import AssetRef, Scene
+from ipmlang.runtime.scene import Scene
 
 if TYPE_CHECKING:
     from ipmlang.formats.mesh_types import Mesh
@@ -47,6 +39,7 @@ if TYPE_CHECKING:
 
 TEXTS = ("color", "fill", "stroke", "css", "material", "texture", "label")
 BOUND = ("uv", "join", "effect")  # of the state: what cannot be said apart from where it was made
+ASKEW = 1e-7  # of an axis, from which on it is no longer the same
 UPRIGHT: Floats = np.eye(3)
 PENS = frozenset({*TEXTS, *BOUND, "width", "layer"})
 
@@ -255,17 +248,53 @@ class Tree:
         return found
 
     def boxes(self, axes: Floats) -> tuple[Floats, Floats]:
-        """(m, 3) low and high corners of all terminals along axes, rows of (3, 3); nobody may
-        write to them.
+        """(m, 3) low and high corners of all terminals along axes, rows of (3, 3), around what they
+        draw however they are turned; nobody may write to them.
         """
         key = axes.tobytes()
         if key not in self._boxes:
             points = self._corners @ axes.T
             found = points.min(axis=1), points.max(axis=1)
+            self._tighten(axes, *found)
             for each in found:
                 each.flags.writeable = False
             self._boxes[key] = found
         return self._boxes[key]
+
+    def _tighten(self, axes: Floats, low: Floats, high: Floats) -> None:
+        """The boxes (m, 3) of assets that stand askew in axes, from what they draw."""
+        outs = axes @ self.maps["terminal"].out
+        places = self.terminals.frames.position @ axes.T
+        for row in self.askew(outs, slice(None)).tolist():
+            found = self.outline(row) @ outs[row].T + places[row]
+            low[row], high[row] = found.min(axis=0), found.max(axis=0)
+
+    def askew(self, outs: Floats, rows: Sequence[int] | slice) -> Integers:
+        """(k,) which of some terminals are assets whose axes are not those that outs (r, 3, 3) take
+        them to, in whatever order: their boxes say too much there.
+        """
+        share = np.abs(outs).max(axis=1) / np.linalg.norm(outs, axis=1)
+        drawn = self.scene.instances.asset[rows] >= 0
+        return np.flatnonzero(drawn & (share < 1 - ASKEW).any(axis=1))
+
+    def outline(self, row: int) -> Floats:
+        """(k, 3) points of what a terminal with an asset draws, in its own frame, such that no
+        point of it lies outside of them.
+        """
+        number = int(self.scene.instances.asset[row])
+        if number not in self._outlines:
+            self._outlines[number] = outermost(self.meshes[number].vertices)
+        points = self._outlines[number]
+        if self.is_natural(row):
+            return points
+        low, extent = points.min(axis=0), np.ptp(points, axis=0)
+        shares = (points - low) / np.where(extent > 0, extent, 1.0)
+        return np.asarray(shares * self.terminals.high[row])
+
+    @cached_property
+    def _outlines(self) -> dict[int, Floats]:
+        """What `outline` has been asked for, by asset."""
+        return {}
 
     @cached_property
     def _boxes(self) -> dict[bytes, tuple[Floats, Floats]]:
@@ -310,125 +339,6 @@ class Tree:
 def _is_one(column: Floats) -> bool:
     """Whether all values of a column are the same, or nothing."""
     return bool((column == column[:1]).all() or np.isnan(column).all())
-
-
-def grown(
-    draft: Draft,
-    *,
-    seed: int = 0,
-    attrs: Mapping[str, float] | None = None,
-    like: Tree | None = None,
-) -> Tree:
-    """Derive a draft with its tree; like: a tree that has some of its assets already. Raises
-    IpmError for what cannot be derived, and for grammars whose shapes do not expand independently.
-    """
-    plain = seed == 0 and not attrs
-    if plain:
-        known = next((each for each in tuple(_last_trees()) if _is_of(each, draft)), None)
-        if known is not None and _stamps(draft) == known.stamps:
-            _note(known)
-            drawn = known.draft.drawn
-            own = None if drawn is None else Drawn(draft.grammar, draft.added, drawn.terminals)
-            return known.of(replace(draft, drawn=own))
-    stamps = _stamps(draft)
-    with collector.held():
-        tree = _derived(draft, seed, attrs, like)
-    if plain:
-        if not any(map(_replays, draft.grammar.items)):
-            drawn = Drawn(draft.grammar, draft.added, len(tree.scene.instances))
-            draft = replace(draft, drawn=drawn)
-        tree = replace(tree, draft=draft, stamps=stamps)
-        _note(tree, like)
-    return tree
-
-
-def _note(tree: Tree, like: Tree | None = None) -> None:
-    """Note that a tree was used; what it is like was, too, if that is known."""
-    trees = _last_trees()
-    if like is not None and any(each.scene is like.scene for each in tuple(trees)):
-        trees.append(like)
-    if not trees or trees[-1] is not tree:
-        trees.append(tree)
-
-
-def _derived(draft: Draft, seed: int, attrs: Mapping[str, float] | None, like: Tree | None) -> Tree:
-    """The tree of a draft as its text says it."""
-    if not draft.added:
-        loaded = load_text(draft.text, draft.folder, draft.allow_outside)
-        return tree_of(draft, compile_loaded(loaded)[1], seed=seed, attrs=attrs, like=like)
-    with staged(draft, draft.path) as made, about(made, draft.path):
-        program = compile_file(made.path, allow_outside=draft.allow_outside)[1]
-        return tree_of(draft, program, seed=seed, attrs=attrs)
-
-
-@remember
-def _last_trees() -> deque[Tree]:
-    """The trees that were used last: an edit goes on from what the one before it derived, and a
-    file that is read again from what was derived of it.
-    """
-    return deque(maxlen=2)
-
-
-def _is_of(tree: Tree, draft: Draft) -> bool:
-    """Whether a tree was derived of the very items of a draft, where those lie: one that is read
-    again has them from the cache of parsing for as long as its text is the same.
-    """
-    own, one, other = tree.draft, tree.draft.grammar.items, draft.grammar.items
-    same = len(one) == len(other) and all(map(operator.is_, one, other))
-    same &= own.added is draft.added or not (own.added or draft.added)
-    return same and own.path == draft.path and own.allow_outside == draft.allow_outside
-
-
-def _stamps(draft: Draft) -> tuple[tuple[str, int, int], ...]:
-    """By which a change of the files is seen that lie beside a grammar."""
-    found = []
-    for name, path in files_with(draft.grammar, draft.folder, draft.added).items():
-        with suppress(OSError):  # one that is not there is for others to tell
-            stat = path.stat()
-            found.append((name, stat.st_mtime_ns, stat.st_size))
-    return tuple(found)
-
-
-def _replays(item: ast.Item) -> bool:
-    """Whether an item speaks of what was drawn without a seed."""
-    return isinstance(item, ast.Residual) or (
-        isinstance(item, ast.Start) and item.choices is not None
-    )
-
-
-def tree_of(
-    draft: Draft,
-    program: ir.Program,
-    *,
-    seed: int = 0,
-    attrs: Mapping[str, float] | None = None,
-    like: Tree | None = None,
-) -> Tree:
-    """The tree of a program that a draft was compiled to."""
-    told: list[Lineage] = []
-    scene = derive(program, seed=seed, attrs=attrs, tell=told.append)
-    if not told or scene.flat:
-        raise fail(
-            "not-a-building",
-            "this grammar draws no building: its shapes thread a turtle, or lie in one plane",
-            hint="edits of buildings take grammars of scopes: split, comp, translate, insert",
-        )
-    meshes = _meshes(scene, {} if like is None else _read_before(like))
-    return Tree(draft, program, scene, told[0], terminals_of(scene, meshes), meshes)
-
-
-def _read_before(tree: Tree) -> dict[AssetRef, Mesh]:
-    """The meshes of a tree by what they were read for."""
-    return {tree.scene.assets[number]: mesh for number, mesh in tree.meshes.items()}
-
-
-def _meshes(scene: Scene, known: Mapping[AssetRef, Mesh]) -> dict[int, Mesh]:
-    from ipmlang.runtime.export.model_assets import model_assets
-
-    numbers = np.unique(scene.instances.asset[scene.instances.asset >= 0]).tolist()
-    assets = {number: scene.assets[number] for number in numbers}
-    read, _ = model_assets(each for each in assets.values() if each not in known)
-    return {number: known[each] if each in known else read[each] for number, each in assets.items()}
 
 
 def _names(grammar: ast.Grammar, program: ir.Program, lineage: Lineage) -> tuple[str, ...]:

@@ -55,6 +55,11 @@ def selected(tree: Tree, name: str, number: int | None = None) -> list[Unit]:
     return [found[number - 1]]
 
 
+def is_whole(tree: Tree, unit: Unit) -> bool:
+    """Whether a unit is a shape that draws all there is."""
+    return unit[0] == "shape" and len(tree.below(unit[1])) == len(tree.owner)
+
+
 def whole(tree: Tree) -> str:
     """The symbol that the start is made of. Raises IpmError where it is several."""
     found = {tree.names[row] for row in np.flatnonzero(tree.parent == -1).tolist()}
