@@ -15,7 +15,7 @@ from ipmlang.inverse.split.search.growth import Grown
 from ipmlang.inverse.split.snapping import label_rows, snap_columns
 
 MOST = 24  # occurrences
-LEAST, LEAST_HALF = 3, 32  # parts of a side; few parts of a half are as plain on either side
+LEAST, LEAST_HALF = 3, 8  # parts of a side; few parts of a half are as plain on either side
 SAME = 1e-5  # share of what the motif spans
 TILT = (3e-3, -1e-3, 1e-5)  # no two images lie equally far along a direction
 LEADS = (

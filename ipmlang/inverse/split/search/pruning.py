@@ -1,17 +1,18 @@
-"""Rules that do not earn their keep are put back where they are used.
+"""Rules that do not earn their keep are put back where they are used, in whole or in part.
 
 Takes a draft, gives one that is no longer: a rule used once, or one that what was found later made
-needless, is replaced by what it draws. Nothing here finds rules.
+needless, is replaced by what it draws, and patterns that a rule has a piece of are made whole where
+it is used. Nothing here finds rules.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from ipmlang.inverse.frames import compose, join
+from ipmlang.inverse.frames import Integers, compose, join
 from ipmlang.inverse.split.cost import HEAD
 from ipmlang.inverse.split.search.drafts import Draft, Limits
-from ipmlang.inverse.split.search.patterns import Memory, arranged_lists
+from ipmlang.inverse.split.search.patterns import FEWEST, Memory, arranged_lists
 from ipmlang.inverse.split.search.pricing import LOOSE, at_least, may_be_loose
 from ipmlang.inverse.split.snapping import label_rows, members
 
@@ -49,11 +50,41 @@ def pruned(draft: Draft, limits: Limits, memory: Memory) -> Draft:
             return draft
 
 
-def unfolded(draft: Draft, body: int) -> Draft:
-    """The draft with what a body draws in place of each use of it."""
+def with_whole_patterns(draft: Draft, limits: Limits, memory: Memory) -> Draft:
+    """The draft with patterns that stand where a rule is used in place of pieces of them in the
+    rule, if that is no longer: a ring of twenty for two halves of ten.
+    """
+    now = tokens_of(draft, limits, memory)
+    label, count = label_rows(np.stack([draft.body, draft.symbol], axis=1))
+    for rows in members(label, len(count)):
+        body, symbol = int(draft.body[rows[0]]), int(draft.symbol[rows[0]])
+        alone = (draft.body == body).sum() == len(rows)
+        if body == 0 or alone or len(rows) < FEWEST or not _is_pattern(draft, rows, limits, memory):
+            continue
+        other = unfolded(draft, body, symbol)
+        added = np.arange(len(draft) - len(rows), len(other))
+        if len(np.unique(other.body[added])) > 1 or not _is_pattern(other, added, limits, memory):
+            continue
+        if tokens_of(other, limits, memory, now) <= now:
+            return with_whole_patterns(other, limits, memory)
+    return draft
+
+
+def _is_pattern(draft: Draft, rows: Integers, limits: Limits, memory: Memory) -> bool:
+    """Whether rows of one symbol in one body are one row, grid or ring."""
+    found = next(iter(arranged_lists(draft, [rows], limits, memory)))
+    return len(found.each) == 1 and not found.single
+
+
+def unfolded(draft: Draft, body: int, part: int | None = None) -> Draft:
+    """The draft with what a body draws in place of each use of it, or beside that its copies of one
+    symbol alone, which it then has no more.
+    """
     symbol = draft.classes + body - 1
-    uses, own = np.nonzero(draft.symbol == symbol)[0], np.nonzero(draft.body == body)[0]
-    kept = (draft.symbol != symbol) & (draft.body != body)
+    inside = draft.body == body
+    inside &= True if part is None else draft.symbol == part
+    uses, own = np.nonzero(draft.symbol == symbol)[0], np.nonzero(inside)[0]
+    kept = ~inside & ((draft.symbol != symbol) | (part is not None))
     outer, inner = np.repeat(uses, len(own)), np.tile(own, len(uses))
     return Draft(
         draft.figures,

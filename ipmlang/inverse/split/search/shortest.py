@@ -35,7 +35,7 @@ from ipmlang.inverse.split.search.laying import laid, symmetry_of
 from ipmlang.inverse.split.search.orbits import coherent
 from ipmlang.inverse.split.search.patterns import Memory
 from ipmlang.inverse.split.search.pricing import Priced, gain_of, priced
-from ipmlang.inverse.split.search.pruning import pruned
+from ipmlang.inverse.split.search.pruning import pruned, with_whole_patterns
 from ipmlang.inverse.split.search.seeds import Edges, Seed, edges_of, labels_by_promise, seeds
 from ipmlang.inverse.split.search.wholes import wholes
 from ipmlang.inverse.split.snapping import Flags
@@ -106,7 +106,8 @@ def _searched(parts: Parts, limits: Limits, work: int, memory: Memory) -> Scheme
         if better is None:
             break
         draft = better
-    return assembled(parts, pruned(draft, limits, memory), origin, limits, memory)
+    draft = with_whole_patterns(pruned(draft, limits, memory), limits, memory)
+    return assembled(parts, draft, origin, limits, memory)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
