@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import IpmError, fail
 from ipmlang.compiler.format import format_grammar
 from ipmlang.formats.drawing import Drawing
-from ipmlang.inverse.boards import Block, Board, with_boards, with_figures
+from ipmlang.inverse.boards import Block, Board, Formulas, with_boards, with_figures
 from ipmlang.inverse.coats import merged_styles
 from ipmlang.inverse.compare import Comparison
 from ipmlang.inverse.counts import Counts, counts_of, gridded
@@ -93,6 +93,17 @@ class Attempt:
         return max(0.0, -self.more)
 
 
+@dataclass(slots=True, eq=False)
+class _Blocks:
+    """Files with blocks of the drawing seen without rules, the boards in them, and the formulas of
+    these, which are those of most boards beside rules.
+    """
+
+    attempts: list[Attempt] = field(default_factory=list)
+    boards: list[Board] = field(default_factory=list)
+    formulas: Formulas = field(default_factory=dict)
+
+
 def best_grammar(
     drawing: Drawing,
     stem: str,
@@ -121,7 +132,9 @@ def best_grammar(
         say("looking for recursion")
         attempts += _recursive(replace(plain, use_tables=True))
         exact = options.mode == "exact" and not (options.paper or attempts)
-        lines, blocks = bool(attempts), _blocks(plain) if exact else []
+        lines = bool(attempts)
+        known = _blocks(plain) if exact else _Blocks()
+        blocks = known.attempts
         clear = len(observed) > FEW or any(each.final for each in blocks)
         if clear and not (options.explain or options.paper):
             made = _clearly(goal, [*attempts, *blocks], flat_tokens)
@@ -145,7 +158,7 @@ def best_grammar(
                 folded = [each for each in folded if _beats(each, regular, options.symmetrize)]
                 found, folded = regular, [*folded, *_folded(regular, len(observed))]
         if blocks and not options.symmetrize:
-            blocks += _beside_boards(goal, plain, seen_so[0])
+            blocks += _beside_boards(goal, known, plain, seen_so[0])
         asked = options.paper or options.symmetrize
         attempts += blocks + folded + _written_out(found, len(observed))
         if not (_bends_order(found.book) or asked):
@@ -261,45 +274,45 @@ def _recursive(subject: Subject) -> list[Attempt]:
     return [Attempt("recursion", lambda: written, counts, written.tokens, -found.numbers)]
 
 
-def _blocks(plain: Subject) -> list[Attempt]:
+def _blocks(plain: Subject) -> _Blocks:
     """The files with things of all sizes on grids, and with figures of all lengths, if there are
     such.
     """
-    observed = plain.observed
+    observed, made = plain.observed, _Blocks()
     book = make_book(plain.instanced.alphabet, plain.instanced.string)
-    boards = _boards(book, plain)
-    made = [_of_blocks("boards", book, boards, plain)] if boards else []
+    made.boards = _boards(book, plain, made.formulas)
+    if made.boards:
+        made.attempts.append(_of_blocks("boards", book, made.boards, plain))
     stretched = with_stretched_lines(observed)
     if stretched is None:
         return made
     lines = replace(plain, instanced=grouped(observed, stretched, shared=False))
     book = make_book(lines.instanced.alphabet, lines.instanced.string)
     figures = with_figures(book, stretched.terminals, observed.diagonal)
-    return [*made, _of_blocks("figures", book, figures, lines)] if figures else made
+    if figures:
+        made.attempts.append(_of_blocks("figures", book, figures, lines))
+    return made
 
 
-def _boards(book: Book, subject: Subject) -> list[Board]:
-    """Things of all sizes on grids in the axiom of a book."""
+def _boards(book: Book, subject: Subject, known: Formulas) -> list[Board]:
+    """Things of all sizes on grids in the axiom of a book; known: as for `with_boards`."""
     terminals = subject.instanced.terminals
     bound = set(merged_styles(book, terminals))
-    return with_boards(book, terminals, bound, subject.observed.diagonal)
+    return with_boards(book, terminals, bound, subject.observed.diagonal, known)
 
 
-def _beside_boards(goal: Goal, plain: Subject, way: Way) -> list[Attempt]:
+def _beside_boards(goal: Goal, known: _Blocks, plain: Subject, way: Way) -> list[Attempt]:
     """The file with things of all sizes on grids, and rules for what stands beside these, if there
     are both.
     """
-    string = plain.instanced.string
-    flat = make_book(plain.instanced.alphabet, string)
-    boards = _boards(flat, plain)
-    whole = len(string) == len(goal.observed)  # else rows are no elements
-    made = beside_blocks(goal, way, boards) if boards and whole else None
+    whole = len(plain.instanced.string) == len(goal.observed)  # else rows are no elements
+    made = beside_blocks(goal, way, known.boards) if known.boards and whole else None
     if made is None:
         return []
     book, subject = made
     counts = counts_of(book, len(goal.observed))
-    blocks = _boards(book, subject)
-    if len(blocks) < len(boards):  # a rule has bound what stands on one
+    blocks = _boards(book, subject, known.formulas)
+    if len(blocks) < len(known.boards):  # a rule has bound what stands on one
         return []
     attempt = _of_blocks("boards", book, blocks, subject)
     both = Counts(

@@ -44,7 +44,7 @@ from ipmlang.inverse.rest import rest_table
 from ipmlang.inverse.schedules import with_schedules
 from ipmlang.inverse.score import DIGITS, INLINE_ROWS
 from ipmlang.inverse.simplify import AXIOM, Book
-from ipmlang.inverse.terminals import Instanced, asset_elements
+from ipmlang.inverse.terminals import Instanced, Terminal, asset_elements
 from ipmlang.inverse.terminals_file import terminals_file
 from ipmlang.inverse.walks import with_walks
 from ipmlang.inverse.wording import arrangement, plain_row
@@ -329,11 +329,8 @@ def _names(
     often = Counter(hint.values())
     named: dict[int, str] = {}
     for number, terminal in shown.items():
-        kind = terminal.fragment.kind if terminal.fragment is not None else None
-        shape = shape_word(terminal.shape.kind, terminal.shape.outline, kind)
-        named[number] = names.give(
-            hint[number] if hint[number] and often[hint[number]] == 1 else shape
-        )
+        own = bool(hint[number]) and often[hint[number]] == 1
+        named[number] = names.give(hint[number] if own else _shape(terminal))
     written = book.inlined() | {AXIOM}
     rules = [rule for rule in book.rules() if rule not in written]
     for rule in (*panels, *sorted(rules)):
@@ -355,6 +352,11 @@ def _names(
             wish = capital(shared_hint(sources[row : row + size], above)) or word
         named[rule] = names.give(wish)
     return named
+
+
+def _shape(terminal: Terminal) -> str:
+    kind = terminal.fragment.kind if terminal.fragment is not None else None
+    return shape_word(terminal.shape.kind, terminal.shape.outline, kind)
 
 
 def _first_rows(instanced: Instanced, scattered: Mapping[int, Integers]) -> dict[int, int]:

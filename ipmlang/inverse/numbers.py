@@ -6,12 +6,16 @@ error is the caller's; nothing here knows what the numbers mean.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from ipmlang.compiler import ast
 
+KEPT = 1 << 14  # answers of `shortest`: candidates for one drawing print the same numbers again
 PLACES = 16  # decimal places that are tried are fewer
 ROOM = 16.0  # how many times the error a value may be off that is left out
 
 
+@lru_cache(KEPT, typed=True)
 def shortest(value: float, error: float) -> float:
     """The decimal with fewest places that is within `error` of the value, else the value itself.
 

@@ -72,11 +72,14 @@ class Modules:
 
 @dataclass(slots=True, eq=False)
 class Copies:
-    """A repeat in a body: row r of `items` belongs to row owner[r] of the body around it."""
+    """A repeat in a body: row r of `items` belongs to row owner[r] of the body around it. `leaves`:
+    (r,) how many modules of the final string each of these rows becomes, as last counted.
+    """
 
     owner: Whole
     counts: Whole
     items: list[Item]
+    leaves: Whole | None = None
 
 
 Item: TypeAlias = Modules | Copies
@@ -304,26 +307,34 @@ def leaves(items: Sequence[Item], count: int) -> Whole:
 
 
 def _copied(item: Copies) -> Whole:
-    sums = np.append(0, np.cumsum(leaves(item.items, len(item.owner))))
-    ends = np.cumsum(item.counts)
+    item.leaves = leaves(item.items, len(item.owner))
+    sums, ends = _sums(item.leaves), np.cumsum(item.counts)
     inside: Whole = sums[ends] - sums[ends - item.counts]
     return inside
 
 
+def _sums(counts: Whole) -> Whole:
+    """The sums of so many first counts, from none to all."""
+    made = np.zeros(len(counts) + 1, np.int64)
+    np.cumsum(counts, out=made[1:])
+    return made
+
+
 def lay(items: Sequence[Item], start: Whole) -> None:
-    """Give the modules of a body their places; each row's first one stands at `start` (n,)."""
+    """Give the modules of a body their places; each row's first one stands at `start` (n,). What
+    each row becomes is what `leaves` counted last.
+    """
     for item in items:
         if isinstance(item, Modules):
             item.place = start
             start = start + item.leaves
         else:
-            inner = leaves(item.items, len(item.owner))
-            before = np.append(0, np.cumsum(inner))
-            ends = np.cumsum(item.counts)
-            lay(
-                item.items, start[item.owner] + before[:-1] - before[ends - item.counts][item.owner]
-            )
-            start = start + before[ends] - before[ends - item.counts]
+            if item.leaves is None:
+                item.leaves = leaves(item.items, len(item.owner))
+            before, ends = _sums(item.leaves), np.cumsum(item.counts)
+            first = before[ends - item.counts]
+            lay(item.items, (start - first)[item.owner] + before[:-1])
+            start = start + before[ends] - first
 
 
 def modules(items: Sequence[Item]) -> list[Modules]:

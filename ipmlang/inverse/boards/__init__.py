@@ -5,9 +5,18 @@ as a number for each, and figures of lines that differ in lengths alone as these
 here looks at groups or at things that are painted in another order.
 """
 
-from ipmlang.inverse.boards.board import Board, with_boards
+from ipmlang.inverse.boards.board import Board, Formulas, with_boards
 from ipmlang.inverse.boards.board_printing import Printed
 from ipmlang.inverse.boards.figures import Figures, with_figures
 from ipmlang.inverse.boards.printing import Block, printed_block
 
-__all__ = ["Block", "Board", "Figures", "Printed", "printed_block", "with_boards", "with_figures"]
+__all__ = [
+    "Block",
+    "Board",
+    "Figures",
+    "Formulas",
+    "Printed",
+    "printed_block",
+    "with_boards",
+    "with_figures",
+]

@@ -33,6 +33,8 @@ PLAIN = 9  # decimals of how far off its middle a shape of size 1 is placed
 LONGEST = 6  # decimals of a size
 ROOM = 2e-7  # of the diagonal: what a place on a board may be off
 
+# By nodes and how many of them are on a line, places, sizes, which of these are bound, and `by`.
+Formulas: TypeAlias = "dict[tuple[bytes, int, bytes, bytes, bytes, float], Coordinate | None]"
 Anchor: TypeAlias = "tuple[float, float] | None"  # where in the box of a shape, from 0 to 1
 # The middle, the upper left corner, the ends of the axes, the other corners.
 ANCHORS: tuple[Anchor, ...] = (
@@ -111,17 +113,22 @@ class _Kind:
 
 
 def with_boards(
-    book: Book, terminals: Sequence[Terminal], bound: Set[int], diagonal: float
+    book: Book,
+    terminals: Sequence[Terminal],
+    bound: Set[int],
+    diagonal: float,
+    known: Formulas,
 ) -> list[Board]:
     """The boards among what stands in the axiom, whose symbols are given the frames that make them
-    short. bound: symbols that no board may have; diagonal: units.
+    short. bound: symbols that no board may have; diagonal: units; known: formulas of places of this
+    drawing, looked for once, which are added to.
     """
     body = book.bodies[AXIOM]
     made: list[Board] = []
     done = set(bound) | book.inlined()  # what is written where it stands has no name for a cell
     for raster in rasters(body.places.position, _styles(body.parts, terminals)):
         own = set(body.parts[raster.start : raster.stop].tolist())
-        board = None if own & done else _board(book, terminals, raster, ROOM * diagonal)
+        board = None if own & done else _board(book, terminals, raster, ROOM * diagonal, known)
         if board is not None and not board.plain:
             made.append(board)
             done |= own  # their frames are bound to this board
@@ -137,7 +144,9 @@ def _styles(parts: Integers, terminals: Sequence[Terminal]) -> Integers:
     return np.asarray(own[parts])
 
 
-def _board(book: Book, terminals: Sequence[Terminal], raster: Raster, room: float) -> Board | None:
+def _board(
+    book: Book, terminals: Sequence[Terminal], raster: Raster, room: float, known: Formulas
+) -> Board | None:
     """The shortest board for the places of a raster, its symbols' frames changed."""
     rows = slice(raster.start, raster.stop)
     parts, places = book.bodies[AXIOM].parts[rows], book.bodies[AXIOM].places[rows]
@@ -146,7 +155,7 @@ def _board(book: Book, terminals: Sequence[Terminal], raster: Raster, room: floa
         kinds = _kinds(parts, places, terminals, anchor, room)
         if kinds is None:
             return None
-        board = _placed(raster, parts, places, kinds, room)
+        board = _placed(raster, parts, places, kinds, room, known)
         if board is not None:
             tokens = board.x.tokens + board.y.tokens
             if best is None or tokens < best[0]:
@@ -233,9 +242,16 @@ def _decimals(sizes: Floats, room: float) -> int:
 
 
 def _placed(
-    raster: Raster, parts: Integers, places: Frames, kinds: Sequence[_Kind], room: float
+    raster: Raster,
+    parts: Integers,
+    places: Frames,
+    kinds: Sequence[_Kind],
+    room: float,
+    known: Formulas,
 ) -> Board | None:
-    """The board of things of these kinds."""
+    """The board of things of these kinds; many anchors lie above each other, so that formulas are
+    known.
+    """
     sized = [each for each in kinds if each.sized]
     coded = len(sized) == 1 and len(kinds) <= 1 + CODED
     off = sized[0].off if sized else 0j
@@ -254,8 +270,16 @@ def _placed(
     size = np.round(size, _decimals(size, room))
     still = ~np.isin(parts, [each.part for each in sized])
     pull = np.maximum(size, 0.0)
-    x = coordinate(raster, at.real, pull, still, off.real, room)
-    y = None if x is None else coordinate(raster, at.imag, x.size, still, off.imag, room)
+    nodes = raster.node.tobytes(), raster.across
+
+    def said(value: Floats, size: Floats, by: float) -> Coordinate | None:
+        key = (*nodes, *(each.tobytes() for each in (value, size, still)), by)
+        if key not in known:
+            known[key] = coordinate(raster, value, size, still, by, room)
+        return known[key]
+
+    x = said(at.real, pull, off.real)
+    y = None if x is None else said(at.imag, x.size, off.imag)
     if x is None or y is None or (x.rest is not None and y.rest is not None):
         return None
     x = replace(x, size=y.size)

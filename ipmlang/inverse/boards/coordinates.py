@@ -25,6 +25,7 @@ DECIMALS = 4  # that a file may be rounded to
 COARSE = 20.0  # times the room: what is finer cannot be told from no rounding
 JUMPS = 8  # of a ladder are fewer
 JUMP = 8  # tokens of one
+LEAST_JUMPS = 2 * JUMP  # of any ladder: a number for each place takes more yet
 ROUNDED = 8  # of `round(100 * (…)) / 100`
 RESIDUAL = 3  # of `+ r.x`, and as many as there are places
 DIGITS = 9  # decimals that are tried
@@ -95,9 +96,12 @@ def coordinate(
     far the point that is placed lies off the middle, for each unit of size; room: units, what a
     place may be off.
     """
+    even = _even(raster, value, size, room) if by == 0 else None
+    if even is not None:  # nothing takes less
+        return even
     made = [_rounded(raster, value, size, still, by, room)]
-    if by == 0:
-        made += [_even(raster, value, size, room), _jumping(raster, value, size, room)]
+    if by == 0 and (made[0] is None or made[0].tokens > LEAST_JUMPS):
+        made.append(_jumping(raster, value, size, room))
         made.append(_with_rest(raster, value, size, room))
     return min((each for each in made if each is not None), key=_tokens, default=None)
 

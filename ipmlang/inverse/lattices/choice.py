@@ -168,7 +168,7 @@ def _of_symbol(
         together = bool((np.diff(members) == 1).all())
         if used[members].any() or not (scattered or together):
             continue
-        if given.most(members) <= layering(members):  # numbers need not be rounded to know that
+        if given.most(lattice, rows[lattice.rows]) <= layering(members):
             continue
         rule = lattice_rule(symbol, lattice, string.start[rows], radius, tolerance)
         if rule is None:

@@ -32,6 +32,7 @@ from ipmlang.inverse.lsystem.symbols import Integers
 
 Radial: TypeAlias = Literal["even", "root", "power"]
 RADIAL: dict[str, Radial] = {"vogel": "root", "log": "power"}
+OFF = 0.25  # of the tolerance: what is off by more has a residual
 SHARE = 0.3  # of a usual residual: what rounding a number may add to it
 COLUMNS = ("x", "y", "angle", "scale")
 MOST_DIGITS, FEW_DIGITS = 9, 3  # decimals are fewer than those; they usually are fewer than these
@@ -199,7 +200,7 @@ def _needed(inside: Frames, scale: Floats, radius: float, tolerance: float) -> l
         ("angle", np.deg2rad(np.abs(inside.angle)) * reach),
         ("scale", np.abs(inside.scale - 1) * reach),
     )
-    return [name for name, gap in worst if float(gap.max()) > tolerance / 4]
+    return [name for name, gap in worst if float(gap.max()) > OFF * tolerance]
 
 
 # ----------------------------------------------------------------------- formulas

@@ -25,6 +25,9 @@ TERMS: dict[Kind, int] = {
     "vogel": 6,
 }
 ROUNDS = 12
+ENOUGH = 0.999  # of the misfit before: where a round leaves more, it is the last
+NOTHING = 1e-12  # of the largest singular value: what is taken for none
+STILL = 1e-3  # of a step: what changes by less from step to step does not turn
 TURN, GROWTH = 3, 5  # where the angular step and the growth stand among the parameters
 LARGE = 0.9  # of the steps of what shrinks are shorter than the one that noise is a share of
 
@@ -55,7 +58,7 @@ class Model:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Turning:
+class Turning:
     """What turns about a centre, at m indices: places, directions from the centre, radii, and the
     derivatives of these by the radial parameters.
     """
@@ -77,7 +80,7 @@ def at(model: Model, index: Integers | Floats) -> Complexes:
     if model.straight:
         along = known[0::2] + 1j * known[1::2]
         return np.asarray(along[0] + i * (along[1] + (i * along[2] if len(along) > 2 else 0)))
-    return np.asarray(_turning(model, i).places)
+    return np.asarray(turning(model, i).places)
 
 
 def _radius(model: Model, i: Floats) -> tuple[Floats, list[Floats]]:
@@ -85,7 +88,7 @@ def _radius(model: Model, i: Floats) -> tuple[Floats, list[Floats]]:
     rest = model.numbers[4:]
     match model.kind:
         case "ring":
-            return np.full(i.shape, rest[0]), [np.ones(i.shape)]
+            return rest[0] + np.zeros(i.shape), [np.ones(i.shape)]
         case "log":
             grown = np.exp(np.clip(rest[1] * i, -60, 60))
             return rest[0] * grown, [grown, rest[0] * i * grown]
@@ -122,22 +125,22 @@ def fit(model: Model, index: Integers, places: Complexes) -> Model:
     i = np.asarray(index, np.float64)
     held = (*model.held, TURN) if model.closed else model.held
     free = [k for k in range(len(model.numbers)) if k not in held]
-    best, turning = model, _turning(model, i)
-    left = _misfit(turning.places, places)
+    best, turned = model, turning(model, i)
+    left = _misfit(turned.places, places)
     for _ in range(ROUNDS):
-        apart = places - turning.places
-        slopes = _slopes(turning, i)[:, free]
+        apart = places - turned.places
+        slope = slopes(turned, i)[:, free]
         change = np.zeros(len(best.numbers))
         change[free] = _solve(
-            np.concatenate([slopes.real, slopes.imag]), np.concatenate([apart.real, apart.imag])
+            np.concatenate([slope.real, slope.imag]), np.concatenate([apart.real, apart.imag])
         )
         tried = Model(best.kind, best.numbers + change, best.closed, best.held)
-        after = _turning(tried, i)
+        after = turning(tried, i)
         rest = _misfit(after.places, places)
         if not rest < left:
             break
-        done = rest > 0.999 * left
-        best, turning, left = tried, after, rest
+        done = rest > ENOUGH * left
+        best, turned, left = tried, after, rest
         if done:
             break
     return best
@@ -147,28 +150,29 @@ def _solve(slopes: Floats, rest: Floats) -> Floats:
     """Least squares with columns of equal size, so that turns and units go together."""
     size = np.sqrt((slopes**2).sum(axis=0))
     size[size == 0] = 1.0
-    return np.asarray(np.linalg.lstsq(slopes / size, rest, rcond=1e-12)[0] / size, np.float64)
+    return np.asarray(np.linalg.lstsq(slopes / size, rest, rcond=NOTHING)[0] / size, np.float64)
 
 
 def _misfit(found: Complexes, places: Complexes) -> float:
     return float((np.abs(places - found) ** 2).sum())
 
 
-def _turning(model: Model, i: Floats) -> _Turning:
+def turning(model: Model, i: Floats) -> Turning:
+    """What turns, at indices (m,); with numbers (k, s, 1) that of s models, all of them (s, m)."""
     known = model.numbers
     radius, radial = _radius(model, i)
     ahead = np.exp(1j * (known[2] + known[TURN] * i))
-    return _Turning(known[0] + 1j * known[1] + radius * ahead, ahead, radius, radial)
+    return Turning(known[0] + 1j * known[1] + radius * ahead, ahead, radius, radial)
 
 
-def _slopes(turning: _Turning, i: Floats) -> Complexes:
-    """(m, k) derivatives of the places by each parameter."""
-    made = np.empty((len(i), 4 + len(turning.radial)), np.complex128)
-    made[:, 0], made[:, 1] = 1, 1j
-    made[:, 2] = 1j * turning.radius * turning.ahead
-    made[:, 3] = made[:, 2] * i
-    for k, each in enumerate(turning.radial):
-        made[:, 4 + k] = turning.ahead * each
+def slopes(turned: Turning, i: Floats) -> Complexes:
+    """(…, m, k) derivatives of the places (…, m) by each parameter."""
+    made = np.empty((*turned.ahead.shape, 4 + len(turned.radial)), np.complex128)
+    made[..., 0], made[..., 1] = 1, 1j
+    made[..., 2] = 1j * turned.radius * turned.ahead
+    made[..., 3] = made[..., 2] * i
+    for k, each in enumerate(turned.radial):
+        made[..., 4 + k] = turned.ahead * each
     return made
 
 
@@ -201,7 +205,7 @@ def start(kind: Kind, places: Complexes, index: Integers) -> Model | None:
     growth = 0.0 if kind == "ring" else float(np.log(np.abs(ratio)).mean())
     turn = float(np.angle(ratio.mean()))
     similar = np.exp(growth + 1j * turn)
-    if abs(similar - 1) < 1e-3:
+    if abs(similar - 1) < STILL:
         return None
     once = np.flatnonzero(ahead)
     arm = complex(np.mean(steps[once] / (similar ** index[once] * (similar - 1))))

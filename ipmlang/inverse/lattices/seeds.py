@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from itertools import pairwise
+from itertools import islice, pairwise
 from typing import TypeAlias
 
 import numpy as np
@@ -17,10 +17,12 @@ from numpy.typing import NDArray
 
 from ipmlang.inverse.lattices.chains import LATE, Chain, Mask, believable, grow
 from ipmlang.inverse.lattices.cloud import Cloud, Integers
+from ipmlang.inverse.lattices.hopeless import hopeless
 from ipmlang.inverse.lattices.models import TERMS, TURN, Kind, Model, at, centre, spacing, start
 from ipmlang.inverse.lsystem.frames import Complexes
 
 ATTEMPTS = 120  # seeds grown in one search
+AHEAD = 60  # seeds that are looked at together
 BARREN = 15  # of them in a row that give nothing: seeds come best first, so the rest is hopeless
 SLACK = 4.0  # times the noise that a prediction from a seed may be off
 TRIPLES = 80_000  # seeds of what bends
@@ -31,35 +33,58 @@ BENT: tuple[Kind, ...] = ("ring", "log", "archimedes", "parabola")
 BETTER = 1.3  # times as many members make a noisier or more bent chain the better one
 TAU = 2 * np.pi
 
+Pairs: TypeAlias = "set[tuple[int, int]]"
+
 
 @dataclass(slots=True, eq=False)
 class Seeds:
     """rows: (s, k) members of consecutive indices, −1 where there is none, best first; tests: how
-    many were looked at; used: (n,) points that others have; tried: neighbours in chains grown.
+    many were looked at; used: (n,) points that others have; tried: neighbours in chains grown;
+    members: index and rows of those looked at, a point of a small ring once, and their pairs.
     """
 
     rows: Integers
     tests: float
     used: Mask
     tried: set[tuple[int, int]] = field(default_factory=set)
+    members: dict[int, tuple[Integers, Integers, Pairs]] = field(default_factory=dict)
     patience: int = BARREN
 
-    def fresh(self) -> Iterator[tuple[Integers, Integers]]:
-        """Index and rows of the members of each seed not yet part of what was grown."""
+    def fresh(self) -> Iterator[tuple[int, Integers, Integers]]:
+        """Number, index and rows of the members of each seed not yet part of what was grown."""
         left = ATTEMPTS
-        for seed in self.rows:
+        for number in range(len(self.rows)):
             if left == 0 or self.patience == 0:
                 break
+            if not self._is_fresh(number):
+                continue
+            left, self.patience = left - 1, self.patience - 1
+            index, rows, pairs = self.members[number]
+            yield number, index, rows
+            self.tried |= pairs | {(b, a) for a, b in pairs}
+
+    def next(self, number: int) -> tuple[list[int], Integers]:
+        """The seeds from one on that will be looked at if no chain takes their members: numbers
+        (s,) and rows (s, k), not too few, since many together take hardly longer than a few.
+        """
+        later = (each for each in range(number, len(self.rows)) if self._is_fresh(each))
+        numbers = list(islice(later, AHEAD))
+        made = np.full((len(numbers), self.rows.shape[1]), -1, np.int64)
+        for row, each in zip(made, numbers, strict=True):
+            index, rows, _ = self.members[each]
+            row[index] = rows
+        return numbers, made
+
+    def _is_fresh(self, number: int) -> bool:
+        if number not in self.members:
+            seed = self.rows[number]
             index = np.flatnonzero(seed >= 0)
             _, once = np.unique(seed[index], return_index=True)
             index = index[np.sort(once)]  # a small ring is gone around more than once
             rows = seed[index]
-            pairs = set(pairwise(rows.tolist()))
-            if pairs <= self.tried or self.used[rows].sum() > 1:
-                continue
-            left, self.patience = left - 1, self.patience - 1
-            yield index, rows
-            self.tried |= pairs | {(b, a) for a, b in pairs}
+            self.members[number] = index, rows, set(pairwise(rows.tolist()))
+        _, rows, pairs = self.members[number]
+        return not pairs <= self.tried and int(self.used[rows].sum()) <= 1
 
     def note(self, chain: Chain) -> None:
         """Seeds inside this chain need not be grown again."""
@@ -72,7 +97,7 @@ def find_rows(known: Cloud, used: Mask, share: float) -> list[Chain]:
     """Rows of points not `used` (n,), which mark what they take; share: as for `grow`."""
     seeds = _row_seeds(known, used, share)
     found: list[Chain] = []
-    for index, rows in seeds.fresh():
+    for _, index, rows in seeds.fresh():
         first = start("line", known.at[rows], index)
         chain = None if first is None else grow(known, first, index, rows, used, share, True)
         if chain is None:
@@ -166,8 +191,14 @@ def find_bends(known: Cloud, used: Mask, share: float, line: Integers) -> list[C
     """
     seeds = _bend_seeds(known, used, share, line)
     found: list[Chain] = []
-    for index, rows in seeds.fresh():
-        grown = [_bent(known, kind, index, rows, used, share) for kind in BENT]
+    none: dict[int, list[bool]] = {}
+    for number, index, rows in seeds.fresh():
+        if number not in none:
+            ahead, members = seeds.next(number)
+            without = hopeless(known, used, share, members, BENT)
+            none |= zip(ahead, without.tolist(), strict=True)
+        kinds = [kind for kind, lost in zip(BENT, none[number], strict=True) if not lost]
+        grown = [_bent(known, kind, index, rows, used, share) for kind in kinds]
         chains = [each for each in grown if each is not None]
         for chain in chains:
             seeds.note(chain)

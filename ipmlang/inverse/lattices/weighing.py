@@ -12,7 +12,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ipmlang.inverse.lattices.formula import LatticeRule
+from ipmlang.inverse.lattices.build import Lattice
+from ipmlang.inverse.lattices.formula import OFF, LatticeRule
 from ipmlang.inverse.lattices.spared import Said
 from ipmlang.inverse.lsystem.frames import Floats
 from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers
@@ -25,6 +26,8 @@ RESIDUAL = 10.0  # of what reads a table of residuals
 HEADER = 8.0  # of `table T(x, y) =`
 PRINTED = 1 / 30  # of the tolerance: what printed numbers may be off
 PLACES = 9  # decimals that are counted
+LEAST_DIGITS = 0.5  # of a number
+SURELY = 2.0  # times as far as a residual needs: no other numbers bring all members nearer
 LAYER = 1.2  # of each member that is painted among others
 BETWEEN = 2.0  # of what stands between the numbers of a row of a table in the text
 
@@ -104,9 +107,16 @@ class Weighing:
         gone[elements] = True
         return np.asarray(rival.spared(gone)[elements].sum(axis=1))
 
-    def most(self, members: Integers) -> float:
-        """Tokens that a rule of placements of one symbol saves at most."""
-        return self._member_tokens(members) - RULE
+    def most(self, lattice: Lattice, members: Integers) -> float:
+        """Tokens that the rule of a lattice saves at most: numbers need not be rounded to know that
+        some members will be off, since those fitted come nearest to all of them.
+        """
+        saved = self._member_tokens(members) - RULE
+        usual = np.hypot(*lattice.residual[:, :2].T)
+        if np.sqrt(np.mean(usual**2) / 2) <= SURELY * OFF * self.alphabet.tolerance:
+            return saved
+        count = len(members) + len(lattice.holes)
+        return saved - _residual_tokens(len(members), count) - LEAST_DIGITS / DIGITS * len(members)
 
     def _member_tokens(self, members: Integers) -> float:
         """Tokens of members without a rule."""
@@ -130,10 +140,15 @@ class Weighing:
         for name in rule.columns:
             after += float(_digits(getattr(rule.residual, name), inside[name]).sum()) / DIGITS
         if rule.columns:
-            # Rows of residuals take as much as the rows of places that they stand for.
-            rows = BETWEEN * len(members) if formula.count <= INLINE_ROWS else 0.0
-            after += CLEARLY + RESIDUAL + HEADER + rows + len(rule.holes)
+            after += _residual_tokens(len(members), formula.count) + len(rule.holes)
         return after
+
+
+def _residual_tokens(members: int, count: int) -> float:
+    """What it takes that a rule of so many nodes has residuals, without their digits: rows of these
+    take as much as the rows of places that they stand for.
+    """
+    return CLEARLY + RESIDUAL + HEADER + (BETWEEN * members if count <= INLINE_ROWS else 0.0)
 
 
 def runs(string: Arrangement) -> Integers:
@@ -167,4 +182,4 @@ def _digits(values: Floats, error: Floats | float) -> Floats:
         longer, left, room = longer[~near], left[~near], room[~near]
         if not len(longer):
             break
-    return np.asarray(np.maximum(0.5, digits)).reshape(values.shape)
+    return np.asarray(np.maximum(LEAST_DIGITS, digits)).reshape(values.shape)
