@@ -273,7 +273,7 @@ def _placed(
     nodes = raster.node.tobytes(), raster.across
 
     def said(value: Floats, size: Floats, by: float) -> Coordinate | None:
-        key = (*nodes, *(each.tobytes() for each in (value, size, still)), by)
+        key = (*nodes, value.tobytes(), size.tobytes(), still.tobytes(), by)
         if key not in known:
             known[key] = coordinate(raster, value, size, still, by, room)
         return known[key]

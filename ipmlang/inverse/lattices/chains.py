@@ -129,9 +129,10 @@ def _next(
         return wanted, wanted
     reach = slack * allowance(known, model, wanted, share)
     hit = known.find(at(model, wanted), reach)
-    taken = used.copy()
-    taken[rows] = True
-    free = (hit >= 0) & ~taken[hit]
+    free = np.flatnonzero(hit >= 0)
+    free = free[~used[hit[free]] & ~(hit[free, None] == rows).any(axis=1)]
+    if not len(free):
+        return free, free
     wanted, hit = wanted[free], hit[free]
     _, once = np.unique(hit, return_index=True)
     wanted, hit = wanted[np.sort(once)], hit[np.sort(once)]

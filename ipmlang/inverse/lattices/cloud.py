@@ -64,8 +64,9 @@ def cloud(at: Complexes, exact: float, loose: float, straight: bool = False) -> 
     density = few / (2 * room if straight else pi * room**2)
 
     def find(places: Complexes, reach: Floats | float) -> Integers:
-        wanted = np.stack([places.real.ravel(), places.imag.ravel()], axis=1)
-        wanted[~np.isfinite(wanted).all(axis=1)] = 1e300
+        wanted = np.ascontiguousarray(places).reshape(-1, 1).view(np.float64)
+        if not np.isfinite(wanted).all():
+            wanted = np.where(np.isfinite(wanted).all(axis=1, keepdims=True), wanted, 1e300)
         reaches = np.broadcast_to(np.asarray(reach, np.float64), places.shape).ravel()
         bound = float(reaches.max(initial=0.0)) * (1 + 1e-9) + 1e-300
         away, row = tree.query(wanted, k=1, distance_upper_bound=bound)

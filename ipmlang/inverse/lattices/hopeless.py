@@ -10,7 +10,6 @@ one. Nothing here grows.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ipmlang.inverse.lattices.chains import (
     EARLY,
@@ -120,7 +119,8 @@ class _Seeds:
         """(s, 15) where further members are looked for: so far before and after the known ones."""
         first = self.there.argmax(axis=1)[:, None]
         last = self.rows.shape[1] - 1 - self.there[:, ::-1].argmax(axis=1)[:, None]
-        return (self.around >= first - GAP - 1) & (self.around <= last + GAP + 1)
+        near = (self.around >= first - GAP - 1) & (self.around <= last + GAP + 1)
+        return np.asarray(near)
 
     def _nodes_around(self) -> Floats:
         """(s,) steps that go around once."""
@@ -132,7 +132,7 @@ class _Seeds:
 
 def _parabolas(kind: Kind, places: Complexes, there: Mask) -> tuple[Floats, Mask]:
     """(6, s) numbers of the parabolas through seeds (s, 7); none is still."""
-    powers = np.arange(there.shape[1])[:, None] ** np.arange(3)
+    powers = np.arange(there.shape[1], dtype=np.float64)[:, None] ** np.arange(3)
     basis = powers * there[:, :, None]
     known = _solved(basis, np.stack([places.real, places.imag], axis=2))
     return known.reshape(len(there), -1).T, np.zeros(len(there), np.bool_)

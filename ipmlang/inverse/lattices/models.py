@@ -114,8 +114,19 @@ def spacing(model: Model, index: Integers) -> Floats:
     before, here, after = at(model, index + np.array([[-1], [0], [1]]))
     local = np.asarray(np.minimum(np.abs(after - here), np.abs(here - before)), np.float64)
     if model.kind == "log":
-        return np.asarray(np.maximum(local, np.quantile(local, LARGE)), np.float64)
+        return np.maximum(local, _large(local))
     return local
+
+
+def _large(values: Floats) -> float:
+    """What is at least as large as LARGE of the values, as `np.quantile`, which takes ten times as
+    long for a few.
+    """
+    ordered, place = np.sort(values).tolist(), LARGE * (len(values) - 1)
+    below = int(place)
+    low, high = ordered[below], ordered[min(below + 1, len(ordered) - 1)]
+    share = place - below
+    return float(high - (high - low) * (1 - share) if share >= 0.5 else low + (high - low) * share)
 
 
 def fit(model: Model, index: Integers, places: Complexes) -> Model:

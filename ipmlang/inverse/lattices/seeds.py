@@ -77,14 +77,14 @@ class Seeds:
 
     def _is_fresh(self, number: int) -> bool:
         if number not in self.members:
-            seed = self.rows[number]
-            index = np.flatnonzero(seed >= 0)
-            _, once = np.unique(seed[index], return_index=True)
-            index = index[np.sort(once)]  # a small ring is gone around more than once
-            rows = seed[index]
-            self.members[number] = index, rows, set(pairwise(rows.tolist()))
+            place: dict[int, int] = {}
+            for index, row in enumerate(self.rows[number].tolist()):
+                if row >= 0:
+                    place.setdefault(row, index)  # a small ring is gone around more than once
+            columns = np.array([list(place.values()), list(place)], np.int64)
+            self.members[number] = columns[0], columns[1], set(pairwise(place))
         _, rows, pairs = self.members[number]
-        return not pairs <= self.tried and int(self.used[rows].sum()) <= 1
+        return not pairs <= self.tried and int(np.count_nonzero(self.used[rows])) <= 1
 
     def note(self, chain: Chain) -> None:
         """Seeds inside this chain need not be grown again."""
