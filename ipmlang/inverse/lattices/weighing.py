@@ -17,19 +17,17 @@ from ipmlang.inverse.lattices.formula import OFF, LatticeRule
 from ipmlang.inverse.lattices.spared import Said
 from ipmlang.inverse.lsystem.frames import Floats
 from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers
-from ipmlang.inverse.score import AROUND, DIGITS, INLINE_ROWS, TABLE, TABLE_ROWS
+from ipmlang.inverse.score import AROUND, DIGITS, TABLE, TABLE_ROWS
 
 RULE = 34.0  # tokens of a lattice's rule, usually
 CHANGE = 8.0  # more of one that turns about a centre, of turns and of growth
 CLEARLY = 8.0  # more that a rule with residuals must save: each takes about as much as a place
-RESIDUAL = 10.0  # of what reads a table of residuals
-HEADER = 8.0  # of `table T(x, y) =`
+RESIDUALS = CLEARLY + 18.0  # of `with r in T`, of what reads them, and of `table T(x, y) =`
 PRINTED = 1 / 30  # of the tolerance: what printed numbers may be off
 PLACES = 9  # decimals that are counted
 LEAST_DIGITS = 0.5  # of a number
 SURELY = 2.0  # times as far as a residual needs: no other numbers bring all members nearer
 LAYER = 1.2  # of each member that is painted among others
-BETWEEN = 2.0  # of what stands between the numbers of a row of a table in the text
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,12 +74,25 @@ class Weighing:
 
     @cached_property
     def _beside(self) -> Floats:
-        """(n,) tokens of a placement beside its numbers: less in runs long enough for a table,
-        where each row has its share of what the table itself takes.
+        """(n,) tokens of a placement beside its numbers, if its whole run goes with it: long runs
+        are tables, where each row has its share of what the table itself takes.
         """
         sizes = runs(self.string)
-        tabled = np.where(sizes <= INLINE_ROWS, BETWEEN, 0.0) + TABLE / np.maximum(sizes, 1)
-        return np.where(sizes >= TABLE_ROWS, np.minimum(tabled, AROUND), AROUND)
+        return np.asarray(_beside_numbers(sizes) / np.maximum(sizes, 1))
+
+    def _run_tokens(self, members: Integers) -> float:
+        """Tokens that members take beside their numbers: of each run that they leave, what it takes
+        now, less what is left of it does, which is in two pieces where a rule stands instead.
+        """
+        begin = np.flatnonzero(np.diff(self.string.symbol, prepend=-1))
+        size = np.diff(np.append(begin, len(self.string)))
+        run, gone = np.unique(np.searchsorted(begin, members, "right") - 1, return_counts=True)
+        first = int(members.min()) - begin[run[0]]
+        before = np.where(np.arange(len(run)) == 0, first, 0)
+        after = size[run] - gone - before
+        pieces = (_beside_numbers(each) for each in (size[run], before, after))
+        whole, left, right = (float(each.sum()) for each in pieces)
+        return whole - left - right
 
     @cached_property
     def _written(self) -> Floats:
@@ -115,8 +126,7 @@ class Weighing:
         usual = np.hypot(*lattice.residual[:, :2].T)
         if np.sqrt(np.mean(usual**2) / 2) <= SURELY * OFF * self.alphabet.tolerance:
             return saved
-        count = len(members) + len(lattice.holes)
-        return saved - _residual_tokens(len(members), count) - LEAST_DIGITS / DIGITS * len(members)
+        return saved - RESIDUALS - LEAST_DIGITS / DIGITS * len(members)
 
     def _member_tokens(self, members: Integers) -> float:
         """Tokens of members without a rule."""
@@ -124,7 +134,7 @@ class Weighing:
         digits = float(written[:2].sum())
         for column, value in ((2, placed.angle[members]), (3, placed.scale[members])):
             digits += float(written[column].sum()) if np.ptp(value) else 0.0
-        before = digits / DIGITS + float(self._beside[members].sum())
+        before = digits / DIGITS + self._run_tokens(members)
         if self.rival is None:
             return before
         return min(before, float(self._spared(self.rival, members).sum()))
@@ -140,21 +150,19 @@ class Weighing:
         for name in rule.columns:
             after += float(_digits(getattr(rule.residual, name), inside[name]).sum()) / DIGITS
         if rule.columns:
-            after += _residual_tokens(len(members), formula.count) + len(rule.holes)
+            after += RESIDUALS + len(rule.holes)
         return after
-
-
-def _residual_tokens(members: int, count: int) -> float:
-    """What it takes that a rule of so many nodes has residuals, without their digits: rows of these
-    take as much as the rows of places that they stand for.
-    """
-    return CLEARLY + RESIDUAL + HEADER + (BETWEEN * members if count <= INLINE_ROWS else 0.0)
 
 
 def runs(string: Arrangement) -> Integers:
     """(n,) how long the run of one symbol is in which each placement stands."""
     sizes = np.diff(np.flatnonzero(np.diff(string.symbol, prepend=-1, append=-1)))
     return np.repeat(sizes, sizes)
+
+
+def _beside_numbers(sizes: Integers) -> Floats:
+    """(k,) tokens of runs of placements of one symbol beside their numbers."""
+    return np.where(sizes >= TABLE_ROWS, TABLE, AROUND * sizes)
 
 
 def layering(members: Integers) -> float:
