@@ -24,7 +24,8 @@ GROWTHS = 40
 USUAL, TAIL = 0.7, 1.4  # of the noise allowed: where the usual is less, the largest may be more
 SHORT = 6  # members that must be neighbours: rounded drawings make exact chains that short
 NEAREST = 3  # neighbours between which a short exact chain runs
-SMOOTH = 1.0  # Durbin-Watson statistic below which residuals are no noise: 2 where they are
+SMOOTH = 1.0  # Durbin-Watson statistic below which residuals are no noise: 2 where they are,
+CHANCE = 3.0  # give or take so many standard deviations by chance
 EARLY, LATE = 2.5, 1.6  # times the noise that a prediction may be off, of few members and of many
 LEAST_EXACT: dict[Kind, int] = {
     "line": 3,
@@ -250,10 +251,12 @@ def _drifts(known: Cloud, chain: Chain) -> bool:
     """
     off = known.at[chain.rows] - at(chain.model, chain.index)
     next_to = np.diff(chain.index) == 1
-    if next_to.sum() < SHORT:
+    pairs = int(next_to.sum())
+    if pairs < SHORT:
         return False
     jumps = float(np.mean(np.abs(np.diff(off)[next_to]) ** 2))
-    return jumps < SMOOTH * float(np.mean(np.abs(off) ** 2))
+    least = min(SMOOTH, 2 - CHANCE * np.sqrt(2 / pairs))  # of x and of y, each its own noise
+    return jumps < least * float(np.mean(np.abs(off) ** 2))
 
 
 def _local(known: Cloud, chain: Chain) -> bool:

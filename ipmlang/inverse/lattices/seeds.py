@@ -30,6 +30,7 @@ SMOOTH, SHARP = 75.0, 125.0  # degrees between steps of noisy and of exact chain
 GROWTH = 1.8  # most that one step is longer than the last
 SEVERAL = 150  # points beyond which noisy bends begin with five members in a row
 BENT: tuple[Kind, ...] = ("ring", "log", "archimedes", "parabola")
+FINER = (2, 3)  # parts of a step in which there may be more members
 BETTER = 1.3  # times as many members make a noisier or more bent chain the better one
 TAU = 2 * np.pi
 
@@ -167,19 +168,22 @@ def bolder(known: Cloud, chain: Chain, used: Mask, tests: float) -> Chain:
 
 
 def _denser(known: Cloud, chain: Chain, used: Mask, tests: float) -> Chain:
-    """The same chain with half the step, where the seed had left out every second member."""
-    if chain.model.kind == "vogel" or np.count_nonzero(~used) + 1 < BETTER * len(chain):
-        return chain
-    index = 2 * (chain.index - chain.index[0])
-    halves = at(chain.model, chain.index[0] + np.arange(index[-1] + 1) / 2)
-    first = start(chain.model.kind, halves, np.arange(len(halves)))
-    if first is None:
-        return chain
-    share = 0.0 if chain.reach <= known.exact else known.loose
-    tried = grow(known, first, index, chain.rows, used, share)
-    if tried is None or len(tried) < BETTER * len(chain) or not believable(known, tried, tests):
-        return chain
-    return tried
+    """The same chain with a half or a third of the step, where the seed had left out members."""
+    best = chain
+    for parts in () if chain.model.kind == "vogel" else FINER:
+        if np.count_nonzero(~used) + 1 < BETTER * len(best):
+            break
+        index = parts * (chain.index - chain.index[0])
+        between = at(chain.model, chain.index[0] + np.arange(index[-1] + 1) / parts)
+        first = start(chain.model.kind, between, np.arange(len(between)))
+        if first is None:
+            continue
+        share = 0.0 if chain.reach <= known.exact else known.loose
+        tried = grow(known, first, index, chain.rows, used, share)
+        longer = tried is not None and len(tried) >= BETTER * len(best)
+        if tried is not None and longer and believable(known, tried, tests):
+            best = tried
+    return best
 
 
 # ------------------------------------------------------------------------ what bends
