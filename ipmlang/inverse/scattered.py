@@ -75,24 +75,36 @@ class _Votes:
     def __len__(self) -> int:
         return len(self.one)
 
-    def __getitem__(self, rows: Integers) -> _Votes:
+    def __getitem__(self, rows: Integers | NDArray[np.bool_]) -> _Votes:
         return _Votes(self.one[rows], self.other[rows], self.there[rows], self.move[rows])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Group:
-    """Rows (m,) of a string, those (m,) that they are mapped onto, and by which similarity (1,);
-    off: (m,) how far the latter are from there.
+class _Copy:
+    """Rows (m,) of a string that a group's are mapped onto, and by which similarity (1,); off: (m,)
+    how far they are from there.
     """
 
-    one: Integers
-    other: Integers
+    rows: Integers
     move: Frames
     off: Complexes
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Group:
+    """Rows (m,) of a string, and where they occur again."""
+
+    one: Integers
+    copies: tuple[_Copy, ...]
+
+    @property
+    def occurrences(self) -> list[Integers]:
+        """Rows (m,) of each."""
+        return [self.one, *(each.rows for each in self.copies)]
+
+
 def with_scattered(alphabet: Alphabet, string: Arrangement) -> tuple[Arrangement, Scattered]:
-    """The string with a symbol in place of both occurrences of each group that pays, where its
+    """The string with a symbol in place of all occurrences of each group that pays, where its
     first element is painted, and how these are painted.
     """
     found = Scattered()
@@ -110,19 +122,21 @@ def with_scattered(alphabet: Alphabet, string: Arrangement) -> tuple[Arrangement
 def _best(alphabet: Alphabet, string: Arrangement, known: Scattered) -> _Group | None:
     """The group that saves most."""
     rows = _candidates(alphabet, string, known)
-    votes = _votes(alphabet, string, rows)
+    votes, round_ones = _votes(alphabet, string, rows)
     if len(votes) < LEAST:
         return None
     room = NOISE * _spacing(string.placed.position[rows])
     best, most = None, 0.0
     for near in _likely(alphabet, string, votes, room):
-        group = _matched(alphabet, string, votes[near], room)
+        group = _matched(alphabet, string, votes[near], round_ones, room)
         if group is None or not _believable(string, rows, group, len(votes), room):
             continue
         gain = _gain(alphabet, string, group)
         if gain > most:
             best, most = group, gain
-    return best
+    if best is None:
+        return None
+    return _everywhere(alphabet, string, rows, best, (votes, round_ones), room)
 
 
 def _candidates(alphabet: Alphabet, string: Arrangement, known: Scattered) -> Integers:
@@ -136,18 +150,22 @@ def _candidates(alphabet: Alphabet, string: Arrangement, known: Scattered) -> In
     return np.flatnonzero(free)
 
 
-def _votes(alphabet: Alphabet, string: Arrangement, rows: Integers) -> _Votes:
-    """Similarities between equal symbols, rare symbols first, since those tell more."""
+def _votes(alphabet: Alphabet, string: Arrangement, rows: Integers) -> tuple[_Votes, _Votes]:
+    """Similarities between equal symbols, rare symbols first, since those tell more; beside them
+    pairs of symbols that any turn keeps, which tell of no similarity but may follow one.
+    """
     symbols, often = np.unique(string.symbol[rows], return_counts=True)
     order = np.argsort(often, kind="stable")
-    made: list[_Votes] = []
+    none = np.zeros(0, np.int64)
+    nothing = _Votes(none, none, string.placed[none], string.placed[none])
+    made, round_ones = [nothing], [nothing]
     left = PAIRS
     for symbol, count in zip(symbols[order].tolist(), often[order].tolist(), strict=True):
         keeps = alphabet[symbol].stabiliser
         left -= count * (count - 1) * len(keeps)
         if left < 0:
             break
-        if count < 2 or alphabet[symbol].free:
+        if count < 2:
             continue
         own = rows[string.symbol[rows] == symbol]
         one, other = (each.ravel() for each in np.meshgrid(own, own, indexing="ij"))
@@ -155,13 +173,17 @@ def _votes(alphabet: Alphabet, string: Arrangement, rows: Integers) -> _Votes:
         there = compose(string.placed[other][:, None], keeps)
         move = compose(there, inverse(string.placed[one])[:, None]).flat()
         one, other = np.repeat(one, len(keeps)), np.repeat(other, len(keeps))
-        made.append(_Votes(one, other, there.flat(), move))
-    none = np.zeros(0, np.int64)
+        voting = round_ones if alphabet[symbol].free else made
+        voting.append(_Votes(one, other, there.flat(), move))
+    return _together(made), _together(round_ones)
+
+
+def _together(votes: list[_Votes]) -> _Votes:
     return _Votes(
-        np.concatenate([none, *(each.one for each in made)]),
-        np.concatenate([none, *(each.other for each in made)]),
-        join([each.there for each in made]),
-        join([each.move for each in made]),
+        np.concatenate([each.one for each in votes]),
+        np.concatenate([each.other for each in votes]),
+        join([each.there for each in votes]),
+        join([each.move for each in votes]),
     )
 
 
@@ -214,28 +236,91 @@ def _sizes(alphabet: Alphabet, string: Arrangement, votes: _Votes) -> Floats:
     return np.asarray(np.maximum(there, alphabet.tolerance))
 
 
-def _matched(alphabet: Alphabet, string: Arrangement, votes: _Votes, room: float) -> _Group | None:
+def _matched(
+    alphabet: Alphabet, string: Arrangement, votes: _Votes, round_ones: _Votes, room: float
+) -> _Group | None:
     """The pairs that one similarity maps onto each other, each symbol in one pair only."""
     move = _middle(votes.move, apply(votes.move, complex(string.placed.position.mean())), string)
-    aim = compose(move, string.placed[votes.one])
-    off = votes.there.position - aim.position
-    turned = np.abs(votes.there.factor - aim.factor) / votes.there.scale
-    good = (np.abs(off) <= room) & (votes.there.handedness == aim.handedness)
-    good &= turned * _sizes(alphabet, string, votes) <= alphabet.tolerance
+    votes, off = _followed(alphabet, string, _together([votes, round_ones]), move, room)
     side = _sides(string, votes, move, room)
     used: set[int] = set()
     pairs: list[int] = []
     for row in np.lexsort((votes.one, np.abs(off))).tolist():
         ends = {int(votes.one[row]), int(votes.other[row])}
-        if good[row] and side[row] and not ends & used:
+        if side[row] and not ends & used:
             used |= ends
             pairs.append(row)
     if len(pairs) < LEAST:
         return None
     chosen = np.array(pairs)[np.argsort(string.start[votes.one[pairs]], kind="stable")]
-    shift = off[chosen] - off[chosen].mean()
-    move = frames(move.position + off[chosen].mean(), move.angle, move.scale, move.handedness)
-    return _Group(votes.one[chosen], votes.other[chosen], move, shift)
+    return _Group(votes.one[chosen], (_copy(votes.other[chosen], move, off[chosen]),))
+
+
+def _followed(
+    alphabet: Alphabet, string: Arrangement, votes: _Votes, move: Frames, room: float
+) -> tuple[_Votes, Complexes]:
+    """The votes that agree with a similarity, and how far they are off in position."""
+    aim = compose(move, string.placed[votes.one])
+    off = votes.there.position - aim.position
+    free = np.array([each.free for each in alphabet.definitions], np.bool_)
+    told = ~free[string.symbol[votes.one]]
+    turned = np.where(told, votes.there.factor - aim.factor, votes.there.scale - aim.scale)
+    turned = np.abs(turned) / votes.there.scale
+    good = (np.abs(off) <= room) & (~told | (votes.there.handedness == aim.handedness))
+    good &= turned * _sizes(alphabet, string, votes) <= alphabet.tolerance
+    return votes[good], off[good]
+
+
+def _copy(rows: Integers, move: Frames, off: Complexes) -> _Copy:
+    """The copy whose parts are off as little as can be."""
+    middle = off.mean()
+    move = frames(move.position + middle, move.angle, move.scale, move.handedness)
+    return _Copy(rows, move, off - middle)
+
+
+def _everywhere(
+    alphabet: Alphabet,
+    string: Arrangement,
+    rows: Integers,
+    group: _Group,
+    votes: tuple[_Votes, _Votes],
+    room: float,
+) -> _Group:
+    """The group with all further copies of it that pay, none of a part twice."""
+    while True:
+        used = np.concatenate(group.occurrences)
+        left, round_ones = (
+            each[np.isin(each.one, group.one) & ~np.isin(each.other, used)] for each in votes
+        )
+        if len(left) < LEAST:
+            return group
+        gain, found = _gain(alphabet, string, group), None
+        for near in _likely(alphabet, string, left, room):
+            copy = _again(alphabet, string, group.one, _together([left[near], round_ones]), len(near), room)
+            more = None if copy is None else _Group(group.one, (*group.copies, copy))
+            if more is None or _gain(alphabet, string, more) <= gain:
+                continue
+            if _believable(string, rows, _Group(group.one, more.copies[-1:]), len(left), room):
+                gain, found = _gain(alphabet, string, more), more
+        if found is None:
+            return group
+        group = found
+
+
+def _again(
+    alphabet: Alphabet, string: Arrangement, one: Integers, votes: _Votes, sure: int, room: float
+) -> _Copy | None:
+    """Where all rows of a group are mapped by what the first `sure` votes say."""
+    moves = votes.move[np.arange(sure)]
+    move = _middle(moves, apply(moves, complex(string.placed.position.mean())), string)
+    votes, off = _followed(alphabet, string, votes, move, room)
+    place = {row: k for k, row in enumerate(one.tolist())}
+    found = np.full(len(one), -1, np.int64)
+    for k in np.lexsort((votes.one, np.abs(off))).tolist():
+        part = place[int(votes.one[k])]
+        if found[part] < 0 and votes.other[k] not in votes.other[found[found >= 0]]:
+            found[part] = k
+    return None if (found < 0).any() else _copy(votes.other[found], move, off[found])
 
 
 def _middle(moves: Frames, image: Complexes, string: Arrangement) -> Frames:
@@ -286,36 +371,45 @@ def _believable(
 
 
 def _gain(alphabet: Alphabet, string: Arrangement, group: _Group) -> float:
-    """Tokens saved: the second occurrence's placements, less the rule, what noise and another paint
-    order take. The place of the first part is that of the first occurrence.
+    """Tokens saved: the placements of all copies, less the rule, what noise and another paint
+    order take. The place of the first part is that of the first occurrence; a part that occurs
+    nowhere else needs none in the rule.
     """
-    placed = string.placed[group.other]
+    saved = -HEAD - AROUND - _layers(alphabet, string, group)
+    for copy in group.copies:
+        saved += float(_placed_tokens(string, copy.rows).sum()) - AROUND - 3 * NUMBER
+        saved -= RESIDUAL * int((np.abs(copy.off) > alphabet.tolerance).sum())
+    often = np.bincount(string.symbol, minlength=len(alphabet))[string.symbol[group.one[1:]]]
+    alone = often == len(group.occurrences)
+    return saved + float(_placed_tokens(string, group.one[1:])[alone].sum())
+
+
+def _placed_tokens(string: Arrangement, rows: Integers) -> Floats:
+    """(m,) tokens of placements."""
+    placed = string.placed[rows]
     turned, scaled = np.abs(placed.angle) > SNAP, np.abs(placed.scale - 1) > SNAP
-    numbers = 2 + np.where(scaled, 2, turned)
-    before = float((AROUND + NUMBER * numbers).sum())
-    after = HEAD + 2 * AROUND + 3 * NUMBER
-    after += RESIDUAL * int((np.abs(group.off) > alphabet.tolerance).sum())
-    return before - after - _layers(alphabet, string, group)
+    return np.asarray(AROUND + NUMBER * (2 + np.where(scaled, 2, turned)))
 
 
 def _layers(alphabet: Alphabet, string: Arrangement, group: _Group) -> float:
     """Tokens of the paint order, where parts are not painted one after the other."""
-    ranks = [np.diff(string.start[each]) for each in (group.one, group.other)]
+    ranks = [np.diff(string.start[each]) for each in group.occurrences]
     size = np.array([alphabet[each].size for each in string.symbol[group.one[:-1]].tolist()])
     apart = any((each != size).any() for each in ranks)
-    return LAYER * 2 * len(group.one) if apart else 0.0
+    return LAYER * len(ranks) * len(group.one) if apart else 0.0
 
 
 def _replaced(
     alphabet: Alphabet, string: Arrangement, group: _Group, found: Scattered
 ) -> Arrangement:
-    """The string with a new symbol for both occurrences of a group; `found` is added to."""
+    """The string with a new symbol for all occurrences of a group; `found` is added to."""
     lead = frames(string.placed.position[group.one[:1]])
     places = compose(inverse(lead), string.placed[group.one])
     symbol = alphabet.add_group(string.symbol[group.one], places)
+    sizes = [alphabet[each].size for each in string.symbol[group.one].tolist()]
+    shifts = [np.zeros(len(group.one), np.complex128), *(each.off for each in group.copies)]
     first = []
-    for rows, shift in ((group.one, np.zeros_like(group.off)), (group.other, group.off)):
-        sizes = [alphabet[each].size for each in string.symbol[rows].tolist()]
+    for rows, shift in zip(group.occurrences, shifts, strict=True):
         ranks = [start + np.arange(size) for start, size in _zipped(string.start[rows], sizes)]
         every = np.concatenate(ranks)
         first.append(int(every.min()))
@@ -324,14 +418,14 @@ def _replaced(
         far = np.abs(moved) > alphabet.tolerance / 4
         found.shift |= dict(zip(every[far].tolist(), moved[far].tolist(), strict=True))
     left = np.ones(len(string), np.bool_)
-    left[group.one], left[group.other] = False, False
-    both = Arrangement(
-        np.full(2, symbol, np.int64),
-        join([lead, compose(group.move, lead)]),
+    left[np.concatenate(group.occurrences)] = False
+    drawn = Arrangement(
+        np.full(len(first), symbol, np.int64),
+        join([lead, *(compose(each.move, lead) for each in group.copies)]),
         np.array(first, np.int64),
-        string.wrap[group.one[:1]].repeat(2),
+        string.wrap[group.one[:1]].repeat(len(first)),
     )
-    made = joined([string[left], both])
+    made = joined([string[left], drawn])
     return made[np.argsort(made.start, kind="stable")]
 
 
