@@ -33,7 +33,8 @@ from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers, joi
 from ipmlang.inverse.score import AROUND, HEAD
 
 NOISE = 0.03  # of the way to the nearest symbol: how far two parts may be off, both with noise
-LEAST = 3  # symbols in a group
+LEAST = 3  # elements in a group
+FEW = 2  # symbols, of several elements one
 ROUNDS = 12  # groups that are looked for, one after the other
 PAIRS = 40_000  # pairs of equal symbols, and turns that keep them, that vote for a similarity
 TRIED = 12  # similarities with the most votes that are looked at closely
@@ -123,13 +124,13 @@ def _best(alphabet: Alphabet, string: Arrangement, known: Scattered) -> _Group |
     """The group that saves most."""
     rows = _candidates(alphabet, string, known)
     votes, round_ones = _votes(alphabet, string, rows)
-    if len(votes) < LEAST:
+    if len(votes) < FEW:
         return None
     room = NOISE * _spacing(string.placed.position[rows])
     best, most = None, 0.0
     for near in _likely(alphabet, string, votes, room):
         group = _matched(alphabet, string, votes[near], round_ones, room)
-        if group is None or not _believable(string, rows, group, len(votes), room):
+        if group is None or not _believable(alphabet, string, rows, group, len(votes), room):
             continue
         gain = _gain(alphabet, string, group)
         if gain > most:
@@ -216,12 +217,12 @@ def _likely(
     slack = np.stack([np.rad2deg(alphabet.tolerance / size), alphabet.tolerance / size], axis=1)
     hands = votes.move.handedness.astype(np.int64)
     best: list[tuple[int, int, Integers]] = []
-    for alike in members(cluster(hands, values, slack), LEAST):
+    for alike in members(cluster(hands, values, slack), FEW):
         tree = cKDTree(points[alike])
         often = np.asarray(tree.query_ball_point(points[alike], room, return_length=True))
         for _ in range(TRIED):
             most = int(np.argmax(often))
-            if often[most] < LEAST:
+            if often[most] < FEW:
                 break
             near = np.sort(np.array(tree.query_ball_point(points[alike[most]], room), np.int64))
             best.append((-int(often[most]), int(alike[most]), alike[near]))
@@ -250,7 +251,8 @@ def _matched(
         if side[row] and not ends & used:
             used |= ends
             pairs.append(row)
-    if len(pairs) < LEAST:
+    elements = sum(alphabet[each].size for each in string.symbol[votes.one[pairs]].tolist())
+    if len(pairs) < FEW or elements < LEAST:
         return None
     chosen = np.array(pairs)[np.argsort(string.start[votes.one[pairs]], kind="stable")]
     return _Group(votes.one[chosen], (_copy(votes.other[chosen], move, off[chosen]),))
@@ -292,15 +294,19 @@ def _everywhere(
         left, round_ones = (
             each[np.isin(each.one, group.one) & ~np.isin(each.other, used)] for each in votes
         )
-        if len(left) < LEAST:
+        if len(left) < FEW:
             return group
         gain, found = _gain(alphabet, string, group), None
         for near in _likely(alphabet, string, left, room):
-            copy = _again(alphabet, string, group.one, _together([left[near], round_ones]), len(near), room)
+            copy = _again(
+                alphabet, string, group.one, _together([left[near], round_ones]), len(near), room
+            )
             more = None if copy is None else _Group(group.one, (*group.copies, copy))
             if more is None or _gain(alphabet, string, more) <= gain:
                 continue
-            if _believable(string, rows, _Group(group.one, more.copies[-1:]), len(left), room):
+            if _believable(
+                alphabet, string, rows, _Group(group.one, more.copies[-1:]), len(left), room
+            ):
                 gain, found = _gain(alphabet, string, more), more
         if found is None:
             return group
@@ -356,11 +362,18 @@ def _sides(string: Arrangement, votes: _Votes, move: Frames, room: float) -> NDA
 
 
 def _believable(
-    string: Arrangement, rows: Integers, group: _Group, tests: int, room: float
+    alphabet: Alphabet,
+    string: Arrangement,
+    rows: Integers,
+    group: _Group,
+    tests: int,
+    room: float,
 ) -> bool:
     """Whether chance would hardly map so many symbols onto equal ones: these are thought to stand
     anywhere, and how they are turned is not counted.
     """
+    if all(float(np.abs(each.off).max()) <= alphabet.tolerance for each in group.copies):
+        room = alphabet.tolerance
     at = string.placed.position[rows]
     area = max(float(np.ptp(at.real) * np.ptp(at.imag)), room * room)
     _, which, often = np.unique(string.symbol[rows], return_inverse=True, return_counts=True)

@@ -220,6 +220,14 @@ def test_ring_of_circles_with_holes_in_clutter(jitter: float) -> None:
     assert set(old[best.rows].tolist()) == set(range(13))
 
 
+@pytest.mark.parametrize(("around", "gone"), [(15, [4, 11, 14]), (16, [4, 8, 14])])
+def test_ring_whose_every_second_or_third_member_is_there(around: int, gone: list[int]) -> None:
+    index = np.delete(np.arange(around), gone)
+    at = noisy(20 * np.exp(2j * np.pi * index / around), 0.01)
+    best = find(frames(at, 360.0 / around * index))[0]
+    assert (best.kind, len(best), best.parameters["closed"]) == ("ring", len(index), around)
+
+
 def test_arc_is_no_full_ring() -> None:
     best = find(frames(50 * np.exp(1j * np.deg2rad(10.0 * np.arange(14)))), free=True)[0]
     assert (best.kind, best.parameters["closed"], len(best.holes)) == ("ring", 0, 0)

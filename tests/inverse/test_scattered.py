@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from inverse.provenance import sites
-from inverse.synth import copies, drawing, leaf, mirror_cell, polygon, rectangle, star
+from inverse.synth import circle, copies, drawing, leaf, mirror_cell, polygon, rectangle, star
 
 from ipmlang.formats.drawing import Drawing, DrawnElement
 from ipmlang.formats.svg.write import write_svg
@@ -79,3 +79,50 @@ def test_few_pairs_are_no_group(tmp_path: Path) -> None:
     elements = [each for shape in lone for each in copies(shape, placed + random.uniform(0, 9))]
     elements += halves(0.0)[:2]
     assert made_of(elements, tmp_path).report.rules == 0
+
+
+def test_circles_follow_what_mirrors_the_other_parts(tmp_path: Path) -> None:
+    elements = halves(0.01)
+    for number, radius in enumerate((2.0, 3.0)):
+        cell = np.array([[20.0 + 30 * number, 40.0, 0.0, 1.0, 1.0]])
+        both = mirror_cell(cell, 0.0)
+        both[:, :2] += 100.0, 100.0
+        dots = copies(circle(radius), both)
+        elements = [dots[0], *elements, dots[1]]
+    assert grouped(made_of(elements, tmp_path), tmp_path) == 20
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.02])
+def test_a_third_turned_twice_more_is_one_rule(jitter: float, tmp_path: Path) -> None:
+    random = np.random.default_rng(1)
+    made: list[DrawnElement] = []
+    for number in range(6):
+        arm = complex(*random.uniform((20, -30), (80, 30))) * np.exp(2j * np.pi * np.arange(3) / 3)
+        placed = np.ones((3, 5))
+        placed[:, 0], placed[:, 1] = 100 + arm.real, 100 + arm.imag
+        placed[:, :2] += random.uniform(-jitter, jitter, (3, 2))
+        placed[:, 2] = random.uniform(-180, 180) + 120 * np.arange(3)
+        made += copies(SHAPES[number % len(SHAPES)], placed)
+    made = [made[row] for row in random.permutation(len(made)).tolist()]
+    found = made_of(made, tmp_path)
+    assert grouped(found, tmp_path) == 18
+    assert found.report.rules == 1
+
+
+def test_a_pair_of_parts_and_a_third_are_a_group_where_they_are_exact(tmp_path: Path) -> None:
+    random = np.random.default_rng(2)
+    sure: list[DrawnElement] = []
+    lone: list[DrawnElement] = []
+    left = np.array([[12.0, 5.0, 10.0, 1.0, 1.0], [19.0, 9.0, 70.0, 1.2, 1.0]])
+    for shape, cell in zip((leaf(7), leaf(5)), left, strict=True):
+        both = mirror_cell(cell[None], 0.0)
+        both[:, :2] += 100.0, 100.0
+        sure += copies(shape, both)
+    far = mirror_cell(np.array([[60.0, -40.0, 33.0, 1.0, 1.0]]), 0.0)
+    far[:, :2] += 100.0, 100.0
+    ends = copies(star(5, 4, 1.7), far)
+    for _ in range(6):
+        at = np.array([[*random.uniform(10, 190, 2), 0.0, 1.0, 1.0]])
+        lone += copies(polygon(random.uniform(-4, 4, (5, 2))), at)
+    ranked = [sure[0], sure[2], ends[0], *lone[1:], sure[1], sure[3], lone[0], ends[1]]
+    assert grouped(made_of(ranked, tmp_path), tmp_path) == 6

@@ -256,7 +256,7 @@ def _drifts(known: Cloud, chain: Chain) -> bool:
         return False
     jumps = float(np.mean(np.abs(np.diff(off)[next_to]) ** 2))
     least = min(SMOOTH, 2 - CHANCE * np.sqrt(2 / pairs))  # of x and of y, each its own noise
-    return jumps < least * float(np.mean(np.abs(off) ** 2))
+    return bool(jumps < least * float(np.mean(np.abs(off) ** 2)))
 
 
 def _local(known: Cloud, chain: Chain) -> bool:
