@@ -54,7 +54,7 @@ from ipmlang.inverse.ways import (
 LEAST_REGULAR = 0.3  # of the flat tokens: what is shorter needs no other look
 ROW = 2  # tokens that a row of a table counts for beyond those it takes: rules can be changed
 LEFT = 4  # placements of one symbol that a lattice could say
-TWINS = 3  # symbols placed twice that a group could say
+TWINS = 3  # elements of several symbols placed twice that a group could say
 AS_SHORT = 1.01  # times as many tokens rules with parameters may take that spare fewer tables
 NOISE_TOKENS = 1.5  # times as many tokens a regular grammar with residuals may have
 SHORT = 0.1  # of the flat tokens: a recursion that no other rules will beat
@@ -178,11 +178,15 @@ def best_grammar(
 
 def _may_be_regular(book: Book) -> bool:
     """Whether the axiom places one symbol so often that a lattice could say it, a sequence of any
-    length being one, or so many twice that a group could.
+    length being one, or so much of several symbols twice that a group could.
     """
     parts = book.bodies[AXIOM].parts.tolist()
-    often = Counter(book.family.get(part, part) for part in parts).values()
-    return max(often, default=0) >= LEFT or sum(count > 1 for count in often) >= TWINS
+    often = Counter(book.family.get(part, part) for part in parts)
+    if max(often.values(), default=0) >= LEFT:
+        return True
+    twice = {part for part in parts if often[book.family.get(part, part)] > 1}
+    drawn = {book.family.get(part, part): int(book.extent[part]) for part in twice}
+    return len(drawn) > 1 and sum(drawn.values()) >= TWINS
 
 
 def _better(found: Found, regular: list[Found], symmetrize: bool) -> Found:
