@@ -359,6 +359,55 @@ def test_text_is_carried_through() -> None:
     assert codes(body) >= {"text"}
 
 
+def fragment(body: str) -> tuple[str, tuple[float, ...]]:
+    """What the only element of a drawing shows, and its matrix."""
+    (element,) = read(body).elements
+    assert element.fragment is not None
+    return element.fragment.xml, element.fragment.matrix
+
+
+@pytest.mark.parametrize(
+    ("body", "matrix"),
+    [
+        ('<text x="30.1" y="7">ab<tspan x="30.1" dy="1em">c</tspan></text>', (30.1, 7)),
+        ('<text x="12" y="0">ab<tspan x="12" dy="1em">c</tspan></text>', (12, 0)),
+        ('<text x="10%" y="50%">ab<tspan x="10%" dy="1em">c</tspan></text>', (40, 100)),
+        ('<text transform="translate(3 4)">ab<tspan x="0" dy="1em">c</tspan></text>', (3, 4)),
+    ],
+)
+def test_equal_labels_are_equal_wherever_they_begin(body: str, matrix: tuple[float, float]) -> None:
+    """Their places are their matrix, whether they were written as attributes or as transforms."""
+    shown = '<text>ab<tspan x="0" dy="1em">c</tspan></text>'
+    assert fragment(body) == (shown, (1, 0, 0, 1, *matrix))
+
+
+def test_letters_and_pictures_begin_at_the_origin_too() -> None:
+    """A list of places counts from the first; numbers stay as short as they were."""
+    assert fragment('<text x="10.1 20.3" y="5">ab</text>')[0] == '<text x="0 10.2">ab</text>'
+    href = "data:image/png;base64,AA=="
+    xml, matrix = fragment(f'<image x="4" y="3" width="2" height="1" href="{href}"/>')
+    assert matrix == (1, 0, 0, 1, 4, 3)
+    assert " x=" not in xml and " y=" not in xml
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        '<text x="1em" y="7">a</text>',
+        '<path id="p" d="M0 0h9"/><text x="9" y="7"><textPath href="#p">a</textPath></text>',
+        '<linearGradient id="g" gradientUnits="userSpaceOnUse"><stop/></linearGradient>'
+        '<text x="9" y="7" fill="url(#g)">a</text>',
+        '<text x="9" y="7">a<animate attributeName="x" to="20"/></text>',
+    ],
+)
+def test_a_text_stays_where_something_would_stay_behind(body: str) -> None:
+    """Places in ems, along a path, under a paint in the units of the drawing, in motion."""
+    found = read(body).elements[-1].fragment
+    assert found is not None
+    assert found.matrix == (1, 0, 0, 1, 0, 0)
+    assert 'y="7"' in found.xml
+
+
 def test_bad_path_data_keeps_the_valid_prefix() -> None:
     """Everything before the error is drawn, and said."""
     body = '<path d="M0 0 L10 0 10 10 Lx"/>'

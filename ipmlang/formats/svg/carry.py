@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from xml.sax.saxutils import escape, quoteattr
 
 from ipmlang.formats import FormatError
+from ipmlang.formats.svg.anchoring import PLACES, Anchor, anchor, moved
 from ipmlang.formats.svg.cascade import Computed
 from ipmlang.formats.svg.context import Source, own_transform
 from ipmlang.formats.svg.properties import INHERITED, INITIAL, PRESENTATION
@@ -39,10 +40,11 @@ _USUAL = {name: value for name, value in INITIAL.items() if name != "font-size"}
 
 @dataclass(frozen=True, slots=True)
 class Carried:
-    """XML, and the definitions that it refers to by id."""
+    """XML, the definitions that it refers to by id, and where its origin is in the node's space."""
 
     xml: str
     definitions: Mapping[str, str]
+    origin: tuple[float, float] = (0.0, 0.0)
 
 
 class Carrier:
@@ -68,9 +70,29 @@ class Carrier:
             )
 
     def element(
-        self, node: Node, style: Computed, viewport: tuple[float, float], skip: frozenset[str]
+        self,
+        node: Node,
+        style: Computed,
+        viewport: tuple[float, float],
+        skip: frozenset[str],
     ) -> Carried:
-        """The node as XML with all that it inherits, without its own transform and `skip`."""
+        """The node as XML with all that it inherits, without its own transform and `skip`, about
+        where it begins if nothing stays behind.
+        """
+        at = anchor(node, style.own, lambda name, value: _sized(name, value, viewport))
+        carried = self._about(at, node, style, viewport, skip)
+        if at is not None and carried.definitions:  # which would stay behind
+            return self._about(None, node, style, viewport, skip)
+        return carried
+
+    def _about(
+        self,
+        at: Anchor | None,
+        node: Node,
+        style: Computed,
+        viewport: tuple[float, float],
+        skip: frozenset[str],
+    ) -> Carried:
         definitions: dict[str, str] = {}
         given = {
             name: value
@@ -85,9 +107,9 @@ class Carrier:
         }  # fmt: skip
         root = _kept_space(node) | self._attributes(node, {}, viewport, definitions)
         root |= {name: self._rewritten(value, definitions) for name, value in given.items()}
-        xml = self._subtree(node, root, viewport, definitions)
+        xml = self._subtree(node, _anchored(root, at, begins=True), viewport, definitions, at)
         self.charge(xml)
-        return Carried(xml, definitions)
+        return Carried(xml, definitions, (0.0, 0.0) if at is None else (float(at[0]), float(at[1])))
 
     def children(self, node: Node, viewport: tuple[float, float]) -> Carried:
         """What is inside the node, as XML."""
@@ -161,8 +183,11 @@ class Carrier:
         root: dict[str, str] | None,
         viewport: tuple[float, float] | None,
         definitions: dict[str, str],
+        at: Anchor | None = None,
     ) -> str:
-        """The node and all below it as XML; `root` are its attributes where they are known."""
+        """The node and all below it as XML; `root` are its attributes where they are known; at:
+        what is to be the origin of what is below it.
+        """
         parts: list[str] = []
         pending: list[Node | str] = [node]
         while pending:
@@ -178,6 +203,7 @@ class Carrier:
             if attributes is None:
                 own = self._source.cascade.specified(item)
                 attributes = self._attributes(item, own, viewport, definitions)
+                attributes = _anchored(attributes, at)
             written = "".join(f" {name}={quoteattr(value)}" for name, value in attributes.items())
             tail = _shown_text(item.parent, item.tail) if item is not node else ""
             text = _shown_text(item, item.text)
@@ -231,6 +257,21 @@ class Carrier:
         if matrix == IDENTITY:
             return ""
         return f"matrix({' '.join(map(shown, matrix))})"
+
+
+def _anchored(
+    attributes: dict[str, str], at: Anchor | None, *, begins: bool = False
+) -> dict[str, str]:
+    """Attributes whose places count from an anchor; begins: where nothing said means the origin."""
+    if at is None:
+        return attributes
+    known = {
+        name: moved(attributes[name], origin)
+        for name, origin in zip(PLACES, at, strict=True)
+        if name in attributes
+    }
+    said = attributes | known
+    return {name: value for name, value in said.items() if not (begins and known.get(name) == "0")}
 
 
 def _shown_text(holder: Node | None, text: str) -> str:

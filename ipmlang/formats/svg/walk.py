@@ -311,23 +311,27 @@ class Walk:
             return None
         wrap = self._effects.wrap(style, context.matrix, alone=True)
         skip = _NO_OPACITY if wrap is None else _WITH_WRAP
-        xml = with_definitions(self._carrier.element(node, style, context.viewport, skip))
+        carried = self._carrier.element(node, style, context.viewport, skip)
         wraps = context.wraps if wrap is None else (*context.wraps, wrap)
         names = context.names + _names(node)
-        fragment = Fragment(node.name, xml, context.matrix)
-        reach = self._reach(node, context)
-        placed = Placed(None, fragment, context.matrix, Style(), wraps, names, node.line, reach)
+        matrix = multiply(context.matrix, translate(*carried.origin))
+        fragment = Fragment(node.name, with_definitions(carried), matrix)
+        reach = self._reach(node, context, carried.origin)
+        placed = Placed(None, fragment, matrix, Style(), wraps, names, node.line, reach)
         self._place(placed, node)
         code = "foreign-object" if node.name == "foreignObject" else node.name
         self._notes.add(code, f"<{node.name}> is carried through as it is", node.line)
         return None
 
-    def _reach(self, node: Node, context: Context) -> Box | None:
+    def _reach(self, node: Node, context: Context, at: tuple[float, float]) -> Box | None:
+        """A box that holds a fragment, from where it begins."""
         if not any(wrap.viewport is not None for wrap in context.wraps):
             return None  # Nobody will ask.
         if node.name == "image":
-            return image_box(self._measures(node, context))
-        return text_box(node, context.style, self._cascade, (0.0, 0.0, *context.viewport))
+            box = image_box(self._measures(node, context))
+        else:
+            box = text_box(node, context.style, self._cascade, (0.0, 0.0, *context.viewport))
+        return None if box is None else (box[0] - at[0], box[1] - at[1], *box[2:])
 
     def _is_seen(self, node: Node, style: Computed) -> bool:
         """Whether something may show: text that is not empty, an image with a source."""
