@@ -14,7 +14,7 @@ from ipmlang.compiler import ast
 from ipmlang.compiler.diagnostics import IpmError, fail
 from ipmlang.compiler.format import format_grammar
 from ipmlang.formats.drawing import Drawing
-from ipmlang.inverse.boards import Block, Board, Formulas, with_boards, with_figures
+from ipmlang.inverse.boards import Block, Formulas, with_boards, with_figures, with_labels
 from ipmlang.inverse.coats import merged_styles
 from ipmlang.inverse.compare import Comparison
 from ipmlang.inverse.counts import Counts, counts_of, gridded
@@ -100,7 +100,7 @@ class _Blocks:
     """
 
     attempts: list[Attempt] = field(default_factory=list)
-    boards: list[Board] = field(default_factory=list)
+    boards: list[Block] = field(default_factory=list)
     formulas: Formulas = field(default_factory=dict)
 
 
@@ -298,11 +298,15 @@ def _blocks(plain: Subject) -> _Blocks:
     return made
 
 
-def _boards(book: Book, subject: Subject, known: Formulas) -> list[Board]:
-    """Things of all sizes on grids in the axiom of a book; known: as for `with_boards`."""
-    terminals = subject.instanced.terminals
+def _boards(book: Book, subject: Subject, known: Formulas) -> list[Block]:
+    """Labelled things, and things of all sizes on grids, in the axiom of a book; known: as for
+    `with_boards`.
+    """
+    terminals, diagonal = subject.instanced.terminals, subject.observed.diagonal
     bound = set(merged_styles(book, terminals))
-    return with_boards(book, terminals, bound, subject.observed.diagonal, known)
+    labelled = with_labels(book, len(terminals), bound | book.inlined(), diagonal)
+    bound |= {part for each in labelled for part in each.symbols}
+    return [*labelled, *with_boards(book, terminals, bound, diagonal, known)]
 
 
 def _beside_boards(goal: Goal, known: _Blocks, plain: Subject, way: Way) -> list[Attempt]:

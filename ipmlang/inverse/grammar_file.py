@@ -355,8 +355,7 @@ def _names(
 
 
 def _shape(terminal: Terminal) -> str:
-    kind = terminal.fragment.kind if terminal.fragment is not None else None
-    return shape_word(terminal.shape.kind, terminal.shape.outline, kind)
+    return shape_word(terminal.shape.kind, terminal.shape.outline, terminal.fragment)
 
 
 def _first_rows(instanced: Instanced, scattered: Mapping[int, Integers]) -> dict[int, int]:

@@ -10,17 +10,21 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Sequence
+from xml.sax.saxutils import unescape
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.compiler.ops import OPERATIONS
 from ipmlang.compiler.tokens import is_free_name
-from ipmlang.formats.drawing import ARC, LINE, Outline
+from ipmlang.formats.drawing import ARC, LINE, Fragment, Outline
 
 LONGEST = 24
+DIGITS = 6  # of a text that is a number
 MOST_ROUNDED = 8  # sides and bends of a rounded rectangle
 BETWEEN = re.compile(r"\W+", re.ASCII)
+MARKS = re.compile(r"<[^>]*>")
+DEFINED = re.compile(r"<defs>.*</defs>", re.DOTALL)
 # What says nothing: kinds of elements, and what programs number by themselves.
 GENERAL = re.compile(
     r"(path|g|rect|use|svg|layer|group|circle|line|line2d|polyline|polygon|ellipse|rectangle|text"
@@ -78,10 +82,29 @@ def capital(name: str) -> str:
     return "".join(part[:1].upper() + part[1:] for part in name.split("_") if part)
 
 
-def shape_word(kind: str, outline: Outline | None, fragment: str | None) -> str:
-    """What a person would call a shape."""
+def text_word(fragment: Fragment) -> str:
+    """What a text says as a name in small letters, empty if it says too much or nothing.
+
+    >>> text_word(Fragment("text", "<text>North <tspan>Wing</tspan></text>", (1, 0, 0, 1, 0, 0)))
+    'north_wing'
+    >>> text_word(Fragment("text", "<text>20 %</text>", (1, 0, 0, 1, 0, 0)))
+    'text20'
+    >>> text_word(Fragment("text", "<text>E</text>", (1, 0, 0, 1, 0, 0)))
+    'letter_e'
+    """
+    said = unescape(MARKS.sub("", DEFINED.sub("", fragment.xml)))
+    number = BETWEEN.sub("", said)
+    if number.isdecimal() and len(number) <= DIGITS:
+        return f"text{number}"
+    plain = word(said)
+    return f"letter_{plain}" if len(plain) == 1 else plain
+
+
+def shape_word(kind: str, outline: Outline | None, fragment: Fragment | None) -> str:
+    """What a person would call a shape, or a fragment: a text by what it says."""
     if outline is None:
-        return word(fragment or "") or "text"
+        said = fragment is not None and fragment.kind == "text" and text_word(fragment)
+        return said or word("" if fragment is None else fragment.kind) or "text"
     if kind == "ellipse":
         u, v = outline.coords[0, 1], outline.coords[0, 2]
         even = abs(float(np.hypot(*u) - np.hypot(*v))) <= 1e-9 * float(np.hypot(*u))

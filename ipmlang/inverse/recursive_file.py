@@ -212,8 +212,7 @@ class _Others:
         self.named: dict[int, str] = {}
         for number in used:
             terminal = terminals[number]
-            kind = terminal.fragment.kind if terminal.fragment is not None else None
-            word = shape_word(terminal.shape.kind, terminal.shape.outline, kind)
+            word = shape_word(terminal.shape.kind, terminal.shape.outline, terminal.fragment)
             hint = own_hint(observed.sources[terminal.row], 0)
             self.named[number] = names.give(hint or word)
         often = Counter(rest)

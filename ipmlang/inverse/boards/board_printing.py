@@ -42,7 +42,7 @@ def printed_board(board: Board, names: Mapping[int, str], given: Names) -> Print
         rules = _rules(board, names, given.give(capital(names[board.sized])))
     i, j = _indices(board, columns)
     size = _size(board)
-    at = [_formula(each, label, (i, j, size)) for each, label in ((board.x, "x"), (board.y, "y"))]
+    at = [formula(each, label, (i, j, size)) for each, label in ((board.x, "x"), (board.y, "y"))]
     body = _thing(board, columns, names, rules, at)
     table = None
     if columns:
@@ -144,10 +144,10 @@ def _indices(board: Board, columns: Mapping[str, object]) -> tuple[ast.Expr, ast
     skipped = int(board.raster.node[0])
     if skipped:
         k = ast.Binary("+", k, ast.Number(float(skipped)))
-    return _function("mod", k, across), _function("floor", ast.Binary("/", k, across))
+    return function("mod", k, across), function("floor", ast.Binary("/", k, across))
 
 
-def _function(name: str, *args: ast.Expr) -> ast.Call:
+def function(name: str, *args: ast.Expr) -> ast.Call:
     return ast.Call(name, tuple(ast.Argument(each) for each in args))
 
 
@@ -155,16 +155,16 @@ def _size(board: Board) -> ast.Expr:
     """The size of what stands on a node, 0 of what has none."""
     size = ast.Name(f"{ROW}.{SIZE}")
     coded = any(code < 0 for part, code in board.codes.items() if part is not None)
-    return _function("max", size, ast.Number(0.0)) if coded else size
+    return function("max", size, ast.Number(0.0)) if coded else size
 
 
-def _formula(
+def formula(
     coordinate: Coordinate, label: str, index: tuple[ast.Expr, ast.Expr, ast.Expr]
 ) -> ast.Expr:
     """`first + along * i + down * j`, and what else the coordinate says; index: i, j and size."""
     first, *slopes = coordinate.terms
     i, j, size = index
-    odd = _function("mod", j, ast.Number(2.0))
+    odd = function("mod", j, ast.Number(2.0))
     factors: list[ast.Expr] = [i, j, odd, size]
     made: ast.Expr | None = None if first == 0 else number(first)
     for slope, factor in zip((*slopes, coordinate.by), factors, strict=True):
@@ -205,6 +205,6 @@ def _steps(coordinate: Coordinate, i: ast.Expr, j: ast.Expr) -> ast.Expr:
 
 def _rounded(value: ast.Expr, grain: float) -> ast.Expr:
     if grain == 1:
-        return _function("round", value)
-    whole = _function("round", ast.Binary("*", ast.Number(grain), value))
+        return function("round", value)
+    whole = function("round", ast.Binary("*", ast.Number(grain), value))
     return ast.Binary("/", whole, ast.Number(grain))

@@ -1,4 +1,4 @@
-"""Boards and figures as syntax, whichever it is.
+"""Boards, figures and labelled things as syntax, whichever it is.
 
 Takes what was found for a stretch of the axiom; gives the loop, the table and the rules that say
 it. Nothing here decides anything.
@@ -14,9 +14,13 @@ from ipmlang.inverse.boards.board import Board
 from ipmlang.inverse.boards.board_printing import Printed, printed_board
 from ipmlang.inverse.boards.figure_printing import printed_figures
 from ipmlang.inverse.boards.figures import Figures
+from ipmlang.inverse.boards.label_printing import printed_labels
+from ipmlang.inverse.boards.labelled import Labelled
 from ipmlang.inverse.naming import Names
 
-Block: TypeAlias = "Board | Figures"  # both have the rows of the axiom from `start` to `stop`
+Block: TypeAlias = (
+    "Board | Figures | Labelled"  # all have the rows of the axiom from `start` to `stop`
+)
 
 
 def printed_block(
@@ -33,5 +37,7 @@ def printed_block(
             head = None if block.like is None else heads.get(block.like)
             table = head.table if isinstance(head, ast.Rows) else None
             return printed_figures(block, names, given, error, table)
+        case Labelled():
+            return printed_labels(block, names, given, error)
         case _:
             assert_never(block)
