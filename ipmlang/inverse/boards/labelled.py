@@ -9,8 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Set
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ipmlang.inverse.boards.coordinates import Coordinate, coordinate
 from ipmlang.inverse.boards.raster import Raster, rasters
@@ -19,6 +21,8 @@ from ipmlang.inverse.lsystem.frames import Complexes, Frames
 from ipmlang.inverse.lsystem.symbols import Integers
 from ipmlang.inverse.score import SMALL
 from ipmlang.inverse.simplify import AXIOM, Book
+
+Booleans: TypeAlias = NDArray[np.bool_]
 
 MOST = 6  # terminals of a copy
 LEAST = 4  # copies that are worth a table
@@ -99,7 +103,7 @@ def _worth(run: _Run) -> tuple[int, int, int]:
     return -(run.stop - run.start), run.period, run.start
 
 
-def _runs(parts: Integers, places: Frames, able: np.ndarray, room: float) -> Iterator[_Run]:
+def _runs(parts: Integers, places: Frames, able: Booleans, room: float) -> Iterator[_Run]:
     """The longest runs of copies of each length, from wherever they may begin."""
     for period in range(2, MOST + 1):
         if len(parts) < LEAST * period:
@@ -120,7 +124,7 @@ def _runs(parts: Integers, places: Frames, able: np.ndarray, room: float) -> Ite
                 yield from _one_label(same[start : stop - period], start, stop, period)
 
 
-def _alike(places: Frames, period: int) -> np.ndarray:
+def _alike(places: Frames, period: int) -> Booleans:
     """Whether rows `period` apart are turned and sized alike."""
     return np.asarray(
         (np.abs(places.angle[period:] - places.angle[:-period]) <= SMALL)
@@ -129,15 +133,15 @@ def _alike(places: Frames, period: int) -> np.ndarray:
     )
 
 
-def _one_label(same: np.ndarray, start: int, stop: int, period: int) -> Iterator[_Run]:
+def _one_label(same: Booleans, start: int, stop: int, period: int) -> Iterator[_Run]:
     """The stretches of a run in which one symbol of a copy differs from copy to copy."""
     changes = ~same.reshape(-1, period)
     often = changes.sum(axis=0)
     label = int(np.argmax(often))
     if not often[label]:
         return
-    others = np.delete(changes, label, axis=1).any(axis=1)
-    cuts = np.concatenate([[-1], np.flatnonzero(others), [len(others)]])
+    others = np.flatnonzero(np.delete(changes, label, axis=1).any(axis=1))
+    cuts = np.concatenate([[-1], others, [len(changes)]])
     for low, high in zip(cuts[:-1].tolist(), cuts[1:].tolist(), strict=True):
         copies = high - low
         if copies >= LEAST and changes[low + 1 : high, label].any():
