@@ -8,6 +8,7 @@ from inverse.box_models import Boxes
 
 from ipmlang.inverse.frames import Frames, about, identity, turns
 from ipmlang.inverse.split.cost import scheme_tokens
+from ipmlang.inverse.split.scheme import Array, Rule
 from ipmlang.inverse.split.search.drafts import Limits, Motif, first_draft, motif_box, with_motif
 from ipmlang.inverse.split.search.figures import figure
 from ipmlang.inverse.split.search.patterns import Memory
@@ -67,6 +68,20 @@ def _turned(made: Boxes, count: int, parts: list[tuple[str, tuple[float, float, 
     for turn in turns(about(up, 360 / count * np.arange(count))):
         for name, low in parts:
             made.placed.append((name, np.column_stack([turn, turn @ low])))
+
+
+@pytest.mark.parametrize(("count", "missing", "axis"), [(20, 0, 1), (16, 2, 2), (30, 18, 0)])
+def test_what_goes_round_without_turning_is_a_circle(count: int, missing: int, axis: int) -> None:
+    made = Boxes({"gondola": (1.6, 1.8, 2)})
+    turn = np.radians(360 / count * np.arange(count - missing) + 90 / count)
+    around = np.stack([0 * turn, 19 * np.cos(turn) + 4, 19 * np.sin(turn) - 2], axis=1)
+    for low in np.roll(around, axis, axis=1).tolist():
+        made.put("gondola", tuple(low))
+    scheme = shortest(made.parts(1))
+    (rule,) = (each for each in scheme.symbols if isinstance(each, Rule))
+    (circle,) = rule.items
+    assert isinstance(circle, Array)
+    assert abs(circle.directions[0].angle) == pytest.approx(360 / count)
 
 
 def test_windows_on_both_sides_of_a_nave_are_as_many_on_each_side() -> None:

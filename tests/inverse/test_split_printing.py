@@ -166,6 +166,24 @@ def test_splits_stand_in_scopes_of_their_size(tmp_path: Path) -> None:
     assert "{ ~2: brick }*" in text and "size(" in text
 
 
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_circles_are_said_by_sines_whichever_way_they_go(axis: int, tmp_path: Path) -> None:
+    random = np.random.default_rng(axis)
+    ways = (
+        (0.0, 3.0, -1.5, 40.0, 1.0, ()),
+        (0.0, 6.0, -1.0, -17.5, 1.0, (2,)),
+        (0.0, 0.0, 4.0, 33.0, -1.0, (0,)),
+    )
+    items = tuple(
+        Array(0, _frames(random, 1), (Direction(9, np.roll(arm, axis), (), angle, axes),),
+              frozenset((hole,) for hole in holes))
+        for *arm, angle, sign, holes in ways
+        for axes in [np.eye(3)[axis] * sign]
+    )  # fmt: skip
+    scheme = Scheme((*TERMINALS, Rule("", 9 * ONE, items)), identity())
+    _agrees(scheme, tmp_path, _text(scheme), 1e-6)
+
+
 def _axiom(*items: Item) -> Scheme:
     return Scheme((*TERMINALS, Rule("", 9 * ONE, items)), identity())
 

@@ -40,6 +40,7 @@ AROUND = 3  # `[… A]`
 VECTOR = 6  # `translate(x, y, z)` without signs
 SPLIT = 4  # `split x { … }`
 OCTANT = 7  # `octant(x, y, z, 1)`
+CIRCLE = 9  # `+ r * cos(a * i)`
 GROWTH = 5  # `pow(g, i)`
 FEWEST = LOOP + VECTOR + 2 + AROUND  # of a ring, which is the shortest of all patterns
 ASSET = 1  # one more name in `asset a, b, c in "…"`
@@ -128,6 +129,9 @@ def fewest_tokens(directions: Sequence[tuple[int, bool]], holes: int) -> int:
 
 
 def _loop_tokens(direction: Direction, small: float) -> int:
+    if direction.angle:
+        aslant = np.count_nonzero(np.abs(direction.step) > small) > 1
+        return LOOP + 2 * (CIRCLE + 2 * bool(aslant))
     moved = int((np.abs(direction.step) > small).sum())
     if not direction.steps:
         return LOOP + STEP * moved

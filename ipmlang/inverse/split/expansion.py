@@ -24,9 +24,11 @@ from ipmlang.inverse.frames import (
     inverse,
     join,
     moved_to,
+    turns,
 )
 from ipmlang.inverse.split.scheme import (
     Array,
+    Direction,
     Item,
     Octant,
     Place,
@@ -91,11 +93,20 @@ def _array(array: Array) -> Frames:
         digits = digits[np.array(kept, np.bool_)]
     offset = np.zeros((len(digits), 3))
     for axis, direction in enumerate(array.directions):
-        along = np.arange(direction.count, dtype=np.float64)
-        if direction.steps:
-            along = np.concatenate([[0.0], np.cumsum(direction.steps)])
-        offset += along[digits[:, axis], None] * direction.step
+        offset += offsets(direction)[digits[:, axis]]
     return compose(moved_to(offset), array.first)
+
+
+def offsets(direction: Direction) -> Floats:
+    """(n, 3) how far the members along a direction are from the first."""
+    along = np.arange(direction.count, dtype=np.float64)
+    if direction.angle:
+        axis = np.tile(direction.axis, (direction.count, 1))
+        arms = turns(about(axis, direction.angle * along)) @ direction.step
+        return np.asarray(arms - direction.step)
+    if direction.steps:
+        along = np.concatenate([[0.0], np.cumsum(direction.steps)])
+    return np.asarray(along[:, None] * direction.step)
 
 
 def ring_frames(rings: Sequence[Ring]) -> Frames:

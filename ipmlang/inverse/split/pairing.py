@@ -97,7 +97,7 @@ def _abreast(rule: Rule, small: float) -> list[list[tuple[int, Row]]]:
 
 def _onward(row: Row) -> Row:
     """The same row from its other end, if it runs backwards and may as well be said so."""
-    if row.holes:
+    if row.holes or (isinstance(row, Array) and any(each.angle for each in row.directions)):
         return row
     if isinstance(row, Ring):
         if row.angle >= 0 or row.grows:
@@ -118,7 +118,7 @@ def _key(row: Row, gap: float) -> Key:
     """What is the same for rows whose members stand to each other in the same way."""
     if isinstance(row, Array):
         steps = [
-            (each.count, _rounded(each.step, gap), _rounded(each.steps, CLOSE))
+            (each.count, _rounded(each.step, gap), _rounded(each.steps, CLOSE), each.angle)
             for each in row.directions
         ]
         return (tuple(steps), row.holes)

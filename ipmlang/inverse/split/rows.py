@@ -58,7 +58,8 @@ def _steps(item: Item) -> Iterator[tuple[int, int, int, float]]:
         for number, direction in enumerate(item.directions):
             axis = int(np.argmax(np.abs(direction.step)))
             step = float(direction.step[axis])
-            even = direction.count >= FEWEST and not direction.steps and step > 0
+            straight = not direction.steps and not direction.angle
+            even = direction.count >= FEWEST and straight and step > 0
             if even and np.abs(np.delete(direction.step, axis)).max() <= STRAIGHT * step:
                 yield number, axis, direction.count, step
     if isinstance(item, Ring) and item.count >= FEWEST and not item.grows:
@@ -87,7 +88,7 @@ def _risen(item: Item) -> Item:
         return _ring_risen(item)
     if isinstance(item, Array):
         for number, direction in enumerate(item.directions):
-            if _sinks(direction.step):
+            if not direction.angle and _sinks(direction.step):
                 item = _array_risen(item, number)
     return item
 

@@ -50,12 +50,17 @@ class Place:
 @dataclass(frozen=True, slots=True, eq=False)
 class Direction:
     """One axis of an array: `count` members, each `step` (3,) beyond the one before it; or, where
-    `steps` are given (count - 1,), as many times a unit `step` beyond it.
+    `steps` are given (count - 1,), as many times a unit `step` beyond it; or, where there is an
+    `angle`, on a circle: `step` is the arm from its center to the first, and each next one stands
+    as many degrees on about the `axis` (3,), turned as the first is; such a one is its array's only
+    one.
     """
 
     count: int
     step: Floats
     steps: tuple[float, ...] = ()
+    angle: float = 0.0
+    axis: Floats = field(default_factory=lambda: np.zeros(3))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

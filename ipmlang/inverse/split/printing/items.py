@@ -23,7 +23,17 @@ from ipmlang.inverse.numbers import shortest
 from ipmlang.inverse.split.placing import Precision, Spot, placed, spots, steps_to
 from ipmlang.inverse.split.printing.schedules import Copies
 from ipmlang.inverse.split.printing.tables import cheapest
-from ipmlang.inverse.split.scheme import Array, Item, Octant, Place, Ring, Scheme, Split, Terminal
+from ipmlang.inverse.split.scheme import (
+    Array,
+    Direction,
+    Item,
+    Octant,
+    Place,
+    Ring,
+    Scheme,
+    Split,
+    Terminal,
+)
 from ipmlang.inverse.split.turning import axis_frame, first_around
 from ipmlang.inverse.split.wording import (
     NOTHING,
@@ -183,7 +193,10 @@ def _array(wording: Wording, array: Array, key: tuple[int, int]) -> ast.Element:
         else:
             along = ast.Name(variable)
             loops.append(ast.Repeat(ast.Count(variable, count), ()))
-        place = added(place, _moved(wording, direction.step, along, direction.count))
+        if direction.angle:
+            place = _circling(wording, array.first.position[0], direction, along)
+        else:
+            place = added(place, _moved(wording, direction.step, along, direction.count))
     element: ast.Element = placed(spot.at(place), wording.symbol(array.symbol))
     holes = tuple(ast.Number(float(hole[0])) for hole in sorted(array.holes))
     for loop in reversed(loops):
@@ -196,6 +209,23 @@ def _moved(wording: Wording, step: Floats, along: ast.Expr, count: int) -> Vecto
     share = 1.0 / max(1, count - 1)
     x, y, z = (times(each, along) for each in wording.precision.vector(step, share))
     return (x, y, z)
+
+
+def _circling(wording: Wording, first: Floats, direction: Direction, along: ast.Expr) -> Vector:
+    """`center + radius * cos(angle * along)` in one axis, `sin` in another."""
+    axis = int(np.argmax(np.abs(direction.axis)))
+    radius = float(np.linalg.norm(direction.step))
+    u, v = (k for k in range(3) if k != axis)
+    turned = float(np.degrees(np.arctan2(direction.step[v], direction.step[u])))
+    room = wording.precision.degrees(radius)
+    turned = 0.0 if abs(turned) <= room else shortest(turned, room)
+    step = direction.angle * float(direction.axis[axis]) * (-1.0 if axis == 1 else 1.0)
+    angle = plus(times(ast.Number(step), along), ast.Number(turned))
+    arm = wording.precision.number(radius)
+    place = list(wording.precision.vector(first - direction.step))
+    for k, name in ((u, "cos"), (v, "sin")):
+        place[k] = plus(place[k], times(arm, ast.Call(name, (ast.Argument(angle),))))
+    return (place[0], place[1], place[2])
 
 
 def _offsets(wording: Wording, steps: Sequence[float], symbol: int) -> str:

@@ -20,6 +20,7 @@ from ipmlang.inverse.split.changing import top_down
 from ipmlang.inverse.split.expansion import placements
 from ipmlang.inverse.split.scheme import (
     Array,
+    Direction,
     Item,
     Octant,
     Place,
@@ -146,6 +147,8 @@ def _arrangement(items: Sequence[Item]) -> str:
     """A word for what all stands in, empty for none."""
     if len(items) == 1:
         match items[0]:
+            case Array(directions=(Direction(angle=angle),)) if angle:
+                return "Ring"
             case Array(directions=directions):
                 return _array_word([direction.step for direction in directions])
             case Ring(angle=0.0):

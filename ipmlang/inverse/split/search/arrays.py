@@ -19,6 +19,7 @@ import numpy as np
 from ipmlang.inverse.frames import Floats, Integers
 from ipmlang.inverse.numbers import shortest
 from ipmlang.inverse.split.cost import fewest_tokens
+from ipmlang.inverse.split.expansion import offsets
 from ipmlang.inverse.split.scheme import Direction
 from ipmlang.inverse.split.snapping import Flags, label_rows, members, snap, snap_columns
 
@@ -298,7 +299,7 @@ def _fit(
     made = [_direction(axes[a][1], along[a], basis[:, a], error / (2 * size)) for a in range(size)]
     where = np.zeros((len(rows), 3))
     for a, direction in enumerate(made):
-        where += _offsets(direction)[digits[:, a]]
+        where += offsets(direction)[digits[:, a]]
     first = np.array([shortest(v, error / 8) for v in (points[rows] - where).mean(axis=0)])
     if np.linalg.norm(first + where - points[rows], axis=1).max() > error:
         return None
@@ -340,13 +341,6 @@ def _direction(values: Floats, along: Floats, wanted: Floats, error: float) -> D
 
 def _steps_alike(values: Floats) -> bool:
     return bool(np.abs(np.diff(values, 2)).max(initial=0.0) <= 1e-12 * (1 + values[-1]))
-
-
-def _offsets(direction: Direction) -> Floats:
-    along = np.arange(direction.count, dtype=np.float64)
-    if direction.steps:
-        along = np.concatenate([[0.0], np.cumsum(direction.steps)])
-    return np.asarray(along[:, None] * direction.step)
 
 
 def _holes(digits: Integers, counts: list[int]) -> frozenset[tuple[int, ...]]:

@@ -15,6 +15,7 @@ from ipmlang.inverse.split.search.growth import Grown
 from ipmlang.inverse.split.snapping import label_rows, snap_columns
 
 MOST = 24  # occurrences
+FEW = 32  # parts of a half, which are as plain on either side unless they share coordinates
 LEAST, LEAST_HALF = 3, 8  # parts of a side; few parts of a half are as plain on either side
 SAME = 1e-5  # share of what the motif spans
 TILT = (3e-3, -1e-3, 1e-5)  # no two images lie equally far along a direction
@@ -43,9 +44,10 @@ def coherent(field: Field, grown: Grown) -> Grown:
     gap = SAME * (float(np.ptp(centers.reshape(-1, 3), axis=0).max()) + 1e-12)
     best, least = np.zeros(size, np.int64), _effort(centers[0], symbol, gap)
     column = np.arange(size)
+    little = count == 2 and size < FEW
     for side in _sides(centers):
         effort = _effort(centers[side, column], symbol, gap)
-        if effort < least:
+        if effort[0] < least[0] or (effort < least and not little):
             best, least = side, effort
     return Grown(grown.rows[after[:, best], column[None]], grown.motion)
 

@@ -18,6 +18,7 @@ from ipmlang.inverse.split.expansion import placements
 from ipmlang.inverse.split.listing import Listing, list_tokens, listing
 from ipmlang.inverse.split.scheme import Array, Place, Ring
 from ipmlang.inverse.split.search.arrays import Lattice, lattices
+from ipmlang.inverse.split.search.circles import apart, circles
 from ipmlang.inverse.split.search.drafts import Draft, Limits
 from ipmlang.inverse.split.search.figures import Figure, alternatives, misses, probed, simplest
 from ipmlang.inverse.split.search.rings import rings
@@ -151,7 +152,7 @@ def _arranged(shape: Figure, frames: Frames, symbol: int, limits: Limits) -> Arr
         group[rows] = number
     items: list[Place | Array | Ring] = []
     patterns, each = every * 0 - 1, []
-    circular = [*_rings(copies), *_swelling(copies)]
+    circular = [*_rings(copies), *_swelling(copies), *_circles(copies, groups)]
     pool, stale = _arrays(copies, groups) + circular, set[int]()
     while pool and len(items) < MOST:
         best = _best(pool, listed, every[left])
@@ -170,7 +171,7 @@ def _arranged(shape: Figure, frames: Frames, symbol: int, limits: Limits) -> Arr
             pool = _arrays(copies, [groups[number] for number in sorted(stale) if number >= 0])
             stale = set()
             if circular:  # what had no rings has none in a part of it
-                pool += [*_rings(copies), *_swelling(copies)]
+                pool += [*_rings(copies), *_swelling(copies), *_circles(copies, groups)]
     singly = list_tokens(listed, every[left])
     if left.any():
         items.append(Place(symbol, plainest[every[left]]))
@@ -258,6 +259,23 @@ def _arrays(copies: _Copies, groups: list[tuple[Integers, Frames]]) -> list[Foun
                 order = np.lexsort(lattice.digits.T[::-1])
                 pool.append(Found(gain, tokens, rows[lattice.rows[order]], item))
     return pool
+
+
+def _circles(copies: _Copies, groups: list[tuple[Integers, Frames]]) -> Iterator[Found]:
+    """Circles of what is turned alike that pay among the rows that are left."""
+    for every, turned in groups:
+        kept = copies.left[every]
+        rows, frames = every[kept], turned[kept]
+        for found in circles(frames.position, copies.limits.error / 2):
+            if apart(frames.position, found) <= copies.limits.error:
+                lead = frames[found.rows[:1]]
+                first = Frames(found.first[None], lead.rotation, lead.hand, lead.scale)
+                item = Array(copies.symbol, first, (found.direction,), found.holes)
+                tokens = item_tokens(item, copies.limits.small)
+                own = rows[found.rows]
+                gain = float(copies.alone[own].sum()) - tokens
+                if gain >= LEAST:
+                    yield Found(gain, tokens, own, item)
 
 
 def _array(frames: Frames, lattice: Lattice, symbol: int) -> Array:

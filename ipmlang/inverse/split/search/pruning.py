@@ -7,6 +7,8 @@ it is used. Nothing here finds rules.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ipmlang.inverse.frames import Integers, compose, join
@@ -52,22 +54,32 @@ def pruned(draft: Draft, limits: Limits, memory: Memory) -> Draft:
 
 def with_whole_patterns(draft: Draft, limits: Limits, memory: Memory) -> Draft:
     """The draft with patterns that stand where a rule is used in place of pieces of them in the
-    rule, if that is no longer: a ring of twenty for two halves of ten.
+    rule, if that is no longer: a ring of twenty for two halves of ten. Patterns of a rule that have
+    as many members go together.
     """
     now = tokens_of(draft, limits, memory)
     label, count = label_rows(np.stack([draft.body, draft.symbol], axis=1))
+    pieces: dict[tuple[int, int], list[int]] = {}
     for rows in members(label, len(count)):
-        body, symbol = int(draft.body[rows[0]]), int(draft.symbol[rows[0]])
-        alone = (draft.body == body).sum() == len(rows)
-        if body == 0 or alone or len(rows) < FEWEST or not _is_pattern(draft, rows, limits, memory):
-            continue
-        other = unfolded(draft, body, symbol)
-        added = np.arange(len(draft) - len(rows), len(other))
-        if len(np.unique(other.body[added])) > 1 or not _is_pattern(other, added, limits, memory):
+        body = int(draft.body[rows[0]])
+        if body > 0 and len(rows) >= FEWEST and _is_pattern(draft, rows, limits, memory):
+            pieces.setdefault((body, len(rows)), []).append(int(draft.symbol[rows[0]]))
+    for (body, _), symbols in pieces.items():
+        other = unfolded(draft, body, symbols)
+        if not (other.body == body).any() or not _are_whole(other, symbols, limits, memory):
             continue
         if tokens_of(other, limits, memory, now) <= now:
             return with_whole_patterns(other, limits, memory)
     return draft
+
+
+def _are_whole(draft: Draft, symbols: Sequence[int], limits: Limits, memory: Memory) -> bool:
+    """Whether all copies of each of some symbols stand in one pattern."""
+    every = (np.flatnonzero(draft.symbol == symbol) for symbol in symbols)
+    return all(
+        len(np.unique(draft.body[rows])) == 1 and _is_pattern(draft, rows, limits, memory)
+        for rows in every
+    )
 
 
 def _is_pattern(draft: Draft, rows: Integers, limits: Limits, memory: Memory) -> bool:
@@ -76,15 +88,15 @@ def _is_pattern(draft: Draft, rows: Integers, limits: Limits, memory: Memory) ->
     return len(found.each) == 1 and not found.single
 
 
-def unfolded(draft: Draft, body: int, part: int | None = None) -> Draft:
-    """The draft with what a body draws in place of each use of it, or beside that its copies of one
-    symbol alone, which it then has no more.
+def unfolded(draft: Draft, body: int, parts: Sequence[int] | None = None) -> Draft:
+    """The draft with what a body draws in place of each use of it, or beside that its copies of
+    some symbols alone, which it then has no more.
     """
     symbol = draft.classes + body - 1
     inside = draft.body == body
-    inside &= True if part is None else draft.symbol == part
+    inside &= True if parts is None else np.isin(draft.symbol, parts)
     uses, own = np.nonzero(draft.symbol == symbol)[0], np.nonzero(inside)[0]
-    kept = ~inside & ((draft.symbol != symbol) | (part is not None))
+    kept = ~inside & ((draft.symbol != symbol) | (parts is not None))
     outer, inner = np.repeat(uses, len(own)), np.tile(own, len(uses))
     return Draft(
         draft.figures,
