@@ -12,6 +12,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple, TypeAlias
 
+from ipmlang.compiler.quick import quick
+
 
 class Span(NamedTuple):
     """Half-open character range, relative to the start of the enclosing top-level item."""
@@ -38,6 +40,7 @@ class Comment:
 # ---------------------------------------------------------------- expressions
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class Number:
     """A literal; `text` is how it was written (`0.10`), kept by the formatter, ignored by ==."""
@@ -47,6 +50,7 @@ class Number:
     span: Span = field(default=NOWHERE, compare=False)
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class Text:
     """A string literal, `value` without quotes and with escapes resolved."""
@@ -63,6 +67,7 @@ class Truth:
     span: Span = field(default=NOWHERE, compare=False)
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class Name:
     """A parameter, attribute, constant, column or context: `w`, `roofs.pitch`, `r.x`."""
@@ -71,6 +76,7 @@ class Name:
     span: Span = field(default=NOWHERE, compare=False)
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class Call:
     """A function in an expression: `max(1, w)`, `rand(-5, 5)`."""
@@ -80,6 +86,7 @@ class Call:
     span: Span = field(default=NOWHERE, compare=False)
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class Unary:
     """`-x`, `not x`; a minus before a literal belongs to the literal: `-5` is Number(-5)."""
@@ -92,6 +99,7 @@ class Unary:
 BinaryOp: TypeAlias = Literal["+", "-", "*", "/", "<", "<=", ">", ">=", "==", "!=", "and", "or"]
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class Binary:
     """`a op b`; comparisons do not chain."""
@@ -112,6 +120,7 @@ class If:
     span: Span = field(default=NOWHERE, compare=False)
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class Tuple:
     """`(2.4, 0, 0)`: a vector or point. A bracketed single expression is not a tuple."""
@@ -123,6 +132,7 @@ class Tuple:
 Expr: TypeAlias = "Number | Text | Truth | Name | Call | Unary | Binary | If | Tuple"
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class Argument:
     """One argument; `sides: 12` has the name `sides`."""
@@ -135,6 +145,7 @@ class Argument:
 # ------------------------------------------------------- elements of a successor
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class Module:
     r"""A shape or an operation without braces: `Window(2)`, `f(64)`, `+(17)`, `extrude(9)`.
@@ -149,6 +160,7 @@ class Module:
     comments: tuple[Comment, ...] = field(default=(), compare=False)
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class Bracket:
     """`[ … ]`: saves and restores the whole state."""
@@ -179,6 +191,7 @@ class Rows:
     span: Span = field(default=NOWHERE, compare=False)
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class Repeat:
     """`repeat(head) except (3, 7) steps (0.8, 0.7) with r in T { body }`.
@@ -356,6 +369,7 @@ class Otherwise:
     span: Span = field(default=NOWHERE, compare=False)
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class Rule:
     """`Head : guard : chance --> body`; `interpret` marks an interpretation rule.
@@ -427,6 +441,7 @@ class Asset:
     span: Span = field(default=NOWHERE, compare=False)
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class Table:
     """`table T = "x.parts.svg#T"`, or inline: `table T(x, y) =` and rows `1, 2`, or

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Literal, TypeAlias
 
 from ipmlang.compiler.diagnostics import Source
+from ipmlang.compiler.quick import quick
 
 Opcode: TypeAlias = Literal[
     # values: write register `out`
@@ -88,6 +89,7 @@ RESIDUAL_TEXTS = ("css", "color", "fill", "stroke")
 RESIDUAL_COLUMNS = ("of", "x", "y", "z", "angle", "scale", "layer", *RESIDUAL_TEXTS)
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class Instruction:
     """One instruction. `out` is the register it writes or -1; `args` the registers it reads; `site`

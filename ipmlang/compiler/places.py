@@ -46,9 +46,10 @@ def by_shape(table: ast.Table) -> dict[str, ast.Table]:
     for row in table.rows:
         cell = row[column]
         if isinstance(cell, ast.Name):
-            found.setdefault(cell.id, []).append(row)
+            found.setdefault(cell.id, []).append(row[:column] + row[column + 1 :])
+    columns = table.columns[:column] + table.columns[column + 1 :]
     return {
-        shape: without_shapes(replace(table, rows=tuple(rows))) for shape, rows in found.items()
+        shape: replace(table, columns=columns, rows=tuple(rows)) for shape, rows in found.items()
     }
 
 

@@ -17,6 +17,7 @@ ARGUMENTS: dict[str, int] = {
     "phase": 1, "snap": 3, "piece": 3, "snapped": 3, "segment": 1, "polygon_open": 0,
     "polygon_close": 0, "path_open": 0, "path_close": 0, "vertex": 0, "open": 0, "close": 0,
 }  # fmt: skip
+BODIES = ir.VALUE_OPS | ir.BODY_OPS  # what stands in bodies
 RESERVED = 0x40000000  # sites from here on are not a production's own
 
 
@@ -56,7 +57,7 @@ def _one(program: ir.Program, production: ir.Production) -> Iterator[str]:
     yield from _repeats(where, production.body, ())
     for each in everything:
         yield from _instruction(where, program, each, production.parameters)
-        if each.op not in ir.VALUE_OPS | ir.BODY_OPS:
+        if each.op not in BODIES:
             yield f"{where}: {each.op} stands in a body, not in a meaning"
 
 

@@ -20,6 +20,7 @@ from ipmlang.compiler.parse import parse
 from ipmlang.edit.places import Found, places, with_changes
 
 STANDARD = "std/"
+MOST_ITEMS = 4096  # that are known to name files or not
 
 
 def with_file_names(grammar: ast.Grammar, rename: Callable[[str], str]) -> ast.Grammar:
@@ -36,8 +37,7 @@ def with_file_names(grammar: ast.Grammar, rename: Callable[[str], str]) -> ast.G
         name, mark, node = text.partition("#")
         return rename(name) + mark + node
 
-    bodies = (item for item in grammar.items if isinstance(item, ast.Rule | ast.Start))
-    naming = any(_may_name(node) for item in bodies for node in nodes(item))
+    naming = any(map(_names_file, grammar.items))
     changes = {
         number: ast.Text(reference(expr.value))
         for number, (place, expr) in enumerate(places(grammar) if naming else ())
@@ -48,9 +48,27 @@ def with_file_names(grammar: ast.Grammar, rename: Callable[[str], str]) -> ast.G
     return replace(grammar, items=tuple(_item(item, rename, reference) for item in grammar.items))
 
 
-def _may_name(node: object) -> bool:
-    """Whether a node is a use of an operation that takes the name of a file."""
-    return isinstance(node, ast.Module | ast.Block) and node.name in _naming()
+def _names_file(item: ast.Item) -> bool:
+    """Whether an item uses an operation that takes the name of a file; known for those of which it
+    was asked last.
+    """
+    if not isinstance(item, ast.Rule | ast.Start):
+        return False
+    known = _last_items()
+    found = known.get(id(item))
+    if found is None:
+        if len(known) >= MOST_ITEMS:
+            known.clear()
+        naming = _naming()
+        uses = (node for node in nodes(item) if isinstance(node, ast.Module | ast.Block))
+        found = known[id(item)] = item, any(node.name in naming for node in uses)
+    return found[1]
+
+
+@remember
+def _last_items() -> dict[int, tuple[ast.Item, bool]]:
+    """What `_names_file` has been asked: an edit asks it of a grammar again and again."""
+    return {}
 
 
 @remember

@@ -192,10 +192,14 @@ def _asked(tree: object, known: _Known) -> list[str]:
         if kind is tuple:
             if known and id(one) in known:
                 found += known[id(one)][1]
-            else:
-                waiting += cast("tuple[object, ...]", one)
+            else:  # numbers are the most of all, and they ask for nothing
+                members = cast("tuple[object, ...]", one)
+                waiting += [each for each in members if type(each) is not ast.Number]
             continue
-        if kind is ast.Number:  # the most of all, and they ask for nothing
+        if kind is ast.Argument:
+            value = cast("ast.Argument", one).value
+            if type(value) is not ast.Number:
+                waiting.append(value)
             continue
         name, inner = _ASKING.get(kind), INNER[kind]
         if name is not None:

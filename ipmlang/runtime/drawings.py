@@ -162,27 +162,35 @@ class _Columns:
         small: dict[int, list[Chunk]] = {}
         for chunk in self._chunks:
             if chunk.count > SMALL or not isinstance(chunk.site, int) or chunk.site == OWN:
-                out[self._places[chunk.start : chunk.start + chunk.count]] = chunk.key()
+                out[self._places[self._rows_of(chunk)]] = chunk.key()
             elif chunk.count:
                 small.setdefault(len(chunk.copies), []).append(chunk)
         for chunks in small.values():
             found = _keys_of(chunks)
-            out[np.concatenate([self._places_of(chunk) for chunk in chunks])] = found
+            rows = np.concatenate([self._places[self._rows_of(chunk)] for chunk in chunks])
+            out[rows] = found
         return out
 
-    def _places_of(self, chunk: Chunk) -> NDArray[np.int64]:
-        return self._places[chunk.start : chunk.start + chunk.count]
+    def _rows_of(self, chunk: Chunk) -> slice:
+        return slice(chunk.start, chunk.start + chunk.count)
 
     def write(
         self,
         out: NDArray[np.generic],
         value: Callable[[Chunk], float | NDArray[np.generic]],
     ) -> None:
-        """Put a column of all chunks into place."""
+        """Put a column of all chunks into place: of many small ones as one column."""
+        many = len(self._places) < SMALL * len(self._chunks)
+        whole = np.empty(len(self._places), out.dtype) if many else None
         for chunk in self._chunks:
             if chunk.count:
-                found = chunk.column(value(chunk))
-                out[self._places[chunk.start : chunk.start + chunk.count]] = found
+                rows, found = self._rows_of(chunk), chunk.column(value(chunk))
+                if whole is None:
+                    out[self._places[rows]] = found
+                else:
+                    whole[rows] = found
+        if whole is not None:
+            out[self._places] = whole
 
     def table(self, names: Sequence[str], width: int) -> NDArray[np.float64]:
         """A table (n, width) of fields of the state, a column each; the others are 0. One that is

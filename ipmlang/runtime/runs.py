@@ -86,6 +86,8 @@ class Standing:
 
 def with_runs(program: ir.Program, body: Sequence[ir.Instruction]) -> tuple[ir.Instruction, ...]:
     """A body in which repeats side by side that differ in symbol and table alone are one."""
+    if sum(each.op == "repeat" for each in body) < 2:
+        return tuple(body)
     made: list[ir.Instruction] = []
     known: dict[int, float] = {}
     alike: list[ir.Instruction] = []

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache as remember
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.checking.expressions import (
@@ -16,7 +17,7 @@ from ipmlang.compiler.checking.expressions import (
     want,
 )
 from ipmlang.compiler.diagnostics import nearest
-from ipmlang.compiler.ops import Operation
+from ipmlang.compiler.ops import OPERATIONS, Operation
 from ipmlang.compiler.ops.record import Param
 
 
@@ -24,11 +25,9 @@ def check_arguments(
     scope: Scope, record: Operation, name: str, args: Sequence[ast.Argument], span: ast.Span
 ) -> None:
     """Check the arguments of one use of an operation."""
-    placed = _in_place(record, args)
-    named = {argument.name for argument in args if argument.name is not None}
-    fitting = [each for each in record.forms if takes(each, len(placed))]
-    knowing = [each for each in fitting if named <= {param.name for param in each}]
-    form = next(iter([*knowing, *fitting]), None)
+    placed = [argument for argument in args if argument.name is None]
+    named = frozenset(argument.name for argument in args if argument.name is not None)
+    form = _form(record.name, len(placed), named)
     if form is None:
         scope.findings.trouble(
             span,
@@ -42,12 +41,18 @@ def check_arguments(
     by_place = [param for param in form if not param.named]
     for index, argument in enumerate(placed):
         check_argument(scope, by_place[min(index, len(by_place) - 1)], argument.value, name)
-    _named(scope, form, name, args, span)
+    if named or len(by_place) < len(form):
+        _named(scope, form, name, args, span)
 
 
-def _in_place(record: Operation, args: Sequence[ast.Argument]) -> list[ast.Argument]:
-    """The arguments without a name."""
-    return [argument for argument in args if argument.name is None]
+@remember
+def _form(name: str, count: int, named: frozenset[str]) -> tuple[Param, ...] | None:
+    """The form of an operation for so many arguments by place and these by name: one that knows
+    all of them, if there is one.
+    """
+    fitting = [each for each in OPERATIONS[name].forms if takes(each, count)]
+    knowing = [each for each in fitting if named <= {param.name for param in each}]
+    return next(iter([*knowing, *fitting]), None)
 
 
 def _named(
@@ -83,6 +88,8 @@ def _named(
 
 def check_argument(scope: Scope, param: Param, value: ast.Expr, name: str) -> None:
     """Check one argument against its parameter."""
+    if _is_plain(param, value):
+        return
     what = f"`{param.name}` of `{name}`"
     if param.words:
         check_words(scope, param, value, what)
@@ -95,6 +102,13 @@ def check_argument(scope: Scope, param: Param, value: ast.Expr, name: str) -> No
         scope.findings.trouble(
             value.span, "out-of-range", f"{what} is {number:g}, and must be above {param.above:g}"
         )
+
+
+def _is_plain(param: Param, value: ast.Expr) -> bool:
+    """Whether an argument is what most are: a number where any one fits that is above a bound."""
+    if type(value) is not ast.Number or param.type != "number" or param.words:
+        return False
+    return param.above is None or value.value > param.above
 
 
 def _check_file(scope: Scope, param: Param, value: ast.Text, what: str) -> None:

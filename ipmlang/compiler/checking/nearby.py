@@ -9,6 +9,7 @@ digit (`leaf_1`, `leaf_2`) are meant to differ.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 
 SHORTEST, LONGEST = 4, 100
 
@@ -19,18 +20,18 @@ def near_misses(terminals: Iterable[str], known: Iterable[str]) -> Mapping[str, 
     if not wanted:
         return {}
     index: dict[str, list[str]] = {}
-    for name in sorted(known):
-        if SHORTEST <= len(name) <= LONGEST:
-            for left in _without_one(name):
-                index.setdefault(left, []).append(name)
+    for name in wanted:
+        for left in _without_one(name):
+            index.setdefault(left, []).append(name)
+    near: dict[str, set[str]] = {}
+    for other in known:
+        if SHORTEST <= len(other) <= LONGEST:
+            for left in index.keys() & _without_one(other):
+                for name in index[left]:
+                    near.setdefault(name, set()).add(other)
     found: dict[str, str] = {}
     for name in wanted:
-        close = [
-            other
-            for left in _without_one(name)
-            for other in index.get(left, ())
-            if other != name and is_slip(name, other)
-        ]
+        close = [each for each in near.get(name, ()) if each != name and is_slip(name, each)]
         if close:
             found[name] = min(close)
     return found
@@ -47,8 +48,10 @@ def glued(names: Iterable[str], known: Iterable[str]) -> Mapping[str, str]:
     return {name: " ".join(name) for name in names if len(name) > 1 and letters.issuperset(name)}
 
 
-def _without_one(name: str) -> list[str]:
-    return [name, *(name[:place] + name[place + 1 :] for place in range(len(name)))]
+@lru_cache(maxsize=4096)
+def _without_one(name: str) -> frozenset[str]:
+    """A name, and what is left of it without one of its letters."""
+    return frozenset([name, *(name[:place] + name[place + 1 :] for place in range(len(name)))])
 
 
 def is_slip(first: str, second: str) -> bool:

@@ -17,10 +17,12 @@ from ipmlang.compiler import ast, ir
 from ipmlang.compiler.diagnostics import IpmError
 from ipmlang.compiler.lower.names import Place, Unit
 from ipmlang.compiler.ops import CONSTANTS, FUNCTIONS, OPERATORS, PREFIXES, QUERIES
+from ipmlang.compiler.quick import quick
 
 QUERY_SITE = 0x38000000  # queries are numbered apart: a new one leaves all draws as they were
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class Known:
     """A number that is known when lowering; a text is its number among Program.strings."""
@@ -28,6 +30,7 @@ class Known:
     value: float
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class Register:
     """A number that code computes."""
@@ -35,6 +38,7 @@ class Register:
     number: int
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class Load:
     """What code loads where it is first read: a parameter or a copy's number."""

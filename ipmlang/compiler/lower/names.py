@@ -84,6 +84,8 @@ class Unit:
         """The unit that a dotted name leads to, and the name there."""
         unit = self
         while True:
+            if "." not in name:
+                return unit, name
             first, dot, rest = name.partition(".")
             other = unit.imports.get(first) or unit.styles.get(first) if dot else None
             if other is None:

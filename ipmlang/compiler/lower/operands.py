@@ -22,9 +22,13 @@ def operands(
     """One operand for each parameter of the form that the arguments fit."""
     by_place = [each.value for each in args if each.name is None]
     by_name = {each.name: each.value for each in args if each.name is not None}
+    form = _form(record.name, len(by_place), frozenset(by_name))
+    if len(by_place) == len(form):
+        pairs = zip(form, by_place, strict=True)
+        return [_operand(code, param, given, names) for param, given in pairs]
     defaults = dict(record.defaults)
     found: list[Operand] = []
-    for param in form_for(record, args):
+    for param in form:
         given = by_name.get(param.name)
         if given is None and by_place and not param.named:
             given = by_place.pop(0)

@@ -49,6 +49,7 @@ class Strings:
         self._bent = bent
         self._what: dict[int, str | None] = {}  # what modules of symbols need a string for
         self._trouble: dict[int, Misplaced | None] = {}
+        self._some_need = any(self._needs_string(number) for number in range(len(symbols)))
         self._code = {id(each): _code(each) for each in productions}
         own = [self._own(symbol) for symbol in symbols]
         children = [
@@ -94,14 +95,20 @@ class Strings:
     def _found_wrong(self, production: ir.Production) -> Misplaced | None:
         if production.left or production.right:
             return Misplaced(production, None, "a context")
-        for each in self._code.get(id(production)) or _all(production.body):
-            what = self._needed(each) if each.op == "module" else None
+        code = self._code.get(id(production)) or _all(production.body)
+        for each in code if self._some_need else ():
+            what = self._needed(_number(each)) if each.op == "module" else None
             if each.op == "repeat" and self._levels(each.body):
                 what = "a `repeat` that levels the turtle"  # which no scan over copies can do
             if what is not None:
                 return Misplaced(production, each, what)
         child = self._found.threads(production.body)
         return None if child is None else Misplaced(production, child, "")
+
+    def _needs_string(self, number: int) -> bool:
+        """Whether a module of a symbol needs a string around it, or may in a repeat."""
+        meaning = self._symbols[number].meaning or ()
+        return self._needed(number) is not None or any(each.op == "level" for each in meaning)
 
     def _levels(self, body: Sequence[ir.Instruction]) -> bool:
         """Whether a copy hands a levelled turtle on to the next."""
@@ -114,9 +121,8 @@ class Strings:
                     return True
         return False
 
-    def _needed(self, module: ir.Instruction) -> str | None:
-        """What a module needs a string for, in the words of the message."""
-        number = _number(module)
+    def _needed(self, number: int) -> str | None:
+        """What a module of a symbol needs a string for, in the words of the message."""
         if number not in self._what:
             self._what[number] = self._need_of(self._symbols[number])
         return self._what[number]

@@ -39,13 +39,14 @@ TRY = 1.07  # times a number, to see what it does
 
 @dataclass(frozen=True, slots=True)
 class Knob:
-    """A number of the grammar. where: as a person reads it; value: now; put: the draft with another
-    one; whole: it counts something; low, high: what it may be; alone: it sizes or moves one part,
-    which what lies in one plane with it may not follow; attr: the attribute that it is the default
-    of, so that it can be tried without another text.
+    """A number of the grammar. where: as a person reads it; place: what tells it from all others;
+    value: now; put: the draft with another one; whole: it counts something; low, high: what it may
+    be; alone: it sizes or moves one part, which what lies in one plane with it may not follow;
+    attr: the attribute that it is the default of, so that it can be tried without another text.
     """
 
     where: str
+    place: tuple[str, int, int]
     value: float
     put: Callable[[float], Draft]
     whole: bool = False
@@ -161,11 +162,10 @@ def _solved(tree: Tree, wanted: Aim, axis: int, knob: Knob) -> tuple[Tree, float
             if not looking:
                 wanted.refused.append(f"`{knob.where}` would have to be {guess:.6g}")
             return None
-        made = _tried(knob, guess, tree)
-        size = None if made is None else size_of(made, key, axis)
-        if made is None or size is None:
+        size, made = _size_with(tree, wanted, axis, knob, guess)
+        if size is None:
             return None
-        if abs(size - aim) <= FIT * max(aim, 1.0):
+        if made is not None and abs(size - aim) <= FIT * max(aim, 1.0):
             return made, guess
         if abs(size - y) <= 1e-12 * max(aim, 1.0):
             return None
@@ -176,6 +176,23 @@ def _solved(tree: Tree, wanted: Aim, axis: int, knob: Knob) -> tuple[Tree, float
             return None
         x, y, guess, looking = guess, size, following, False
     return None
+
+
+def _size_with(
+    tree: Tree, wanted: Aim, axis: int, knob: Knob, value: float
+) -> tuple[float | None, Tree | None]:
+    """How large the shape is with another number, None if it is not there; and the tree, but where
+    an edit before this one has tried that number, and it is not the one that is sought.
+    """
+    key, aim = wanted.keys[0], float(wanted.size[axis])
+    trial = (*key, axis, *knob.place, value)
+    if trial in tree.trials:
+        size = tree.trials[trial]
+        if size is None or abs(size - aim) > FIT * max(aim, 1.0):
+            return size, None
+    made = _tried(knob, value, tree)
+    size = tree.trials[trial] = None if made is None else size_of(made, key, axis)
+    return size, made
 
 
 def _tried(knob: Knob, value: float, like: Tree) -> Tree | None:
@@ -258,7 +275,7 @@ def _lot_knob(
         item = replace(start, place=replace(place, args=args))
         return with_items(draft, {number: item}, [change])
 
-    return Knob(where, value, put)
+    return Knob(where, ("lot", number, at[0]), value, put)
 
 
 def _polygon_knob(draft: Draft, number: int, start: ast.Start, axis: int, value: float) -> Knob:
@@ -272,7 +289,7 @@ def _polygon_knob(draft: Draft, number: int, start: ast.Start, axis: int, value:
         item = replace(start, place=replace(place, args=args))
         return with_items(draft, {number: item}, [change])
 
-    return Knob(where, value, put)
+    return Knob(where, ("lot", number, axis), value, put)
 
 
 def _scaled(corner: ast.Expr, axis: int, factor: float) -> ast.Expr:
@@ -294,7 +311,7 @@ def _named(draft: Draft, number: int, item: ast.Attr, value: float, whole: bool)
     if isinstance(item.allowed, ast.Range):
         low = _bound(item.allowed.low, low)
         high = _bound(item.allowed.high, high)
-    return Knob(item.name, value, put, whole, low, high, attr=item.name)
+    return Knob(item.name, ("item", number, 0), value, put, whole, low, high, attr=item.name)
 
 
 def _bound(expr: ast.Expr | None, default: float) -> float:
@@ -308,7 +325,7 @@ def _constant(draft: Draft, number: int, item: ast.Const, value: float) -> Knob:
         change = Change(item.name, format_expression(item.value), format_expression(made))
         return with_items(draft, {number: replace(item, value=made)}, [change])
 
-    return Knob(item.name, value, put)
+    return Knob(item.name, ("item", number, 0), value, put)
 
 
 def _length(draft: Draft, number: int, found: tuple[Place, ast.Expr], value: float) -> Knob:
@@ -316,4 +333,4 @@ def _length(draft: Draft, number: int, found: tuple[Place, ast.Expr], value: flo
         return with_parameters(draft, {number: found}, {number: literal(new)})
 
     where = f"{found[0].rule}: {found[0].operation}"
-    return Knob(where, value, put, alone=found[0].operation in ALONE)
+    return Knob(where, ("length", number, 0), value, put, alone=found[0].operation in ALONE)

@@ -82,6 +82,11 @@ class Tree:
         return np.stack([state.get(name, none) for name in ("sx", "sy", "sz")], axis=1)
 
     @cached_property
+    def trials(self) -> dict[tuple[str | float, ...], float | None]:
+        """How large things were with other numbers, where edits tried some: see `driving.py`."""
+        return {}
+
+    @cached_property
     def asked(self) -> Asked:
         """The names that the items of its grammar ask for."""
         return Asked()

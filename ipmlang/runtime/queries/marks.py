@@ -7,8 +7,10 @@ way in every pass of a derivation. Nothing is answered here.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache as remember
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -48,7 +50,23 @@ class Asked:
 
 
 def asked(program: ir.Program) -> Asked | None:
-    """What a program asks; None where it asks nothing about other shapes."""
+    """What a program asks; None where it asks nothing about other shapes. Known for the program
+    that was asked about last.
+    """
+    for each, found in tuple(_last()):
+        if each is program:
+            return found
+    found = _asked(program)
+    _last().append((program, found))
+    return found
+
+
+@remember
+def _last() -> deque[tuple[ir.Program, Asked | None]]:
+    return deque(maxlen=1)
+
+
+def _asked(program: ir.Program) -> Asked | None:
     if not any(_asks(code) for code in _codes(program)):
         return None
     found = [each for code in _codes(program) for each in _all(code) if each.op in ASKS]
