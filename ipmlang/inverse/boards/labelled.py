@@ -9,22 +9,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Set
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ipmlang.inverse.boards.coordinates import Coordinate, coordinate
 from ipmlang.inverse.boards.raster import Raster, rasters
 from ipmlang.inverse.gridded_tables import grid_of
+from ipmlang.inverse.lsystem.curves import Booleans
 from ipmlang.inverse.lsystem.frames import Complexes, Frames
 from ipmlang.inverse.lsystem.symbols import Integers
 from ipmlang.inverse.score import SMALL
 from ipmlang.inverse.simplify import AXIOM, Book
 
-Booleans: TypeAlias = NDArray[np.bool_]
-
-MOST = 6  # terminals of a copy
+MOST = 16  # terminals of a copy
 LEAST = 4  # copies that are worth a table
 HEAD = 26  # tokens of the table's head, of the loop, and of a formula
 ALONE = 6  # tokens that a terminal takes which is placed by itself
