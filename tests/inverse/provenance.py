@@ -142,9 +142,8 @@ def _marks(grammar: ast.Grammar) -> list[_Mark]:
     loops = [
         _Mark(number, _is_regular(repeat), False) for number, repeat in enumerate(_repeats(grammar))
     ]
-    return loops + [
-        _Mark(name, name in _reached(grammar, name), often > 1) for name, often in called.items()
-    ]
+    leads = _leads(grammar)
+    return loops + [_Mark(name, name in leads[name], often > 1) for name, often in called.items()]
 
 
 def _rules(grammar: ast.Grammar) -> list[ast.Rule]:
@@ -192,18 +191,21 @@ def _calls(grammar: ast.Grammar) -> Counter[str]:
     return found
 
 
-def _reached(grammar: ast.Grammar, name: str) -> set[str]:
-    """All symbols that the rules of one lead to, itself only if they lead back."""
+def _leads(grammar: ast.Grammar) -> dict[str, set[str]]:
+    """All symbols that the rules of each symbol lead to, itself only if they lead back."""
     named: dict[str, set[str]] = {}
     for rule in _rules(grammar):
         named.setdefault(rule.head.name, set()).update(_names(rule.body))
-    seen: set[str] = set()
-    waiting = [name]
-    while waiting:
-        new = named.get(waiting.pop(), set()) - seen
-        seen |= new
-        waiting += new
-    return seen
+    found: dict[str, set[str]] = {}
+    for name in named:
+        seen: set[str] = set()
+        waiting = [name]
+        while waiting:
+            new = named.get(waiting.pop(), set()) - seen
+            seen |= new
+            waiting += new
+        found[name] = seen
+    return found
 
 
 def _is_regular(repeat: ast.Repeat) -> bool:
@@ -229,9 +231,11 @@ def _moves(element: ast.Element) -> bool:
 def _instrumented(grammar: ast.Grammar, bit: dict[int | str, float]) -> ast.Grammar:
     """The grammar with the paint order raised around each marked site."""
     number = iter(range(len(_repeats(grammar))))
+    leads = _leads(grammar)
+    # The symbols that lead to one and back: a call among them is no new site.
     inside = {
-        rule.head.name: {rule.head.name, *_round(grammar, rule.head.name)}
-        for rule in _rules(grammar)
+        name: {name, *(each for each in there if name in leads.get(each, set()))}
+        for name, there in leads.items()
     }
     items: list[ast.Item] = []
     for item in grammar.items:
@@ -243,11 +247,6 @@ def _instrumented(grammar: ast.Grammar, bit: dict[int | str, float]) -> ast.Gram
         elif not isinstance(item, ast.Residual):
             items.append(item)
     return replace(grammar, items=tuple(items))
-
-
-def _round(grammar: ast.Grammar, name: str) -> set[str]:
-    """The symbols that lead to one and back: a call among them is no new site."""
-    return {each for each in _reached(grammar, name) if name in _reached(grammar, each)}
 
 
 def _marked(
