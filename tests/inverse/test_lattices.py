@@ -128,6 +128,14 @@ def test_row_with_noise_and_holes() -> None:
     assert abs(best.parameters["x1"]) == pytest.approx(9.0, abs=0.05)
 
 
+def test_noisy_row_with_no_three_members_side_by_side() -> None:
+    index = np.array([0, 1, 4, 6, 7, 9, 11, 12])
+    placed, old = shuffled(join([frames(noisy((9 + 2j) * index, 0.05)), clutter(3)]))
+    best = find(placed)[0]
+    assert (best.kind, len(best.holes)) == ("row", 5)
+    assert set(old[best.rows].tolist()) == set(range(8))
+
+
 def test_row_with_linear_angle_and_scale() -> None:
     index = np.arange(10)
     best = find(frames(12.0 * index + 0j, 5 + 7.0 * index, 1 + 0.25 * index))[0]

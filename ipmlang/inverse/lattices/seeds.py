@@ -15,8 +15,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ipmlang.inverse.lattices.chains import LATE, Chain, Mask, believable, grow
-from ipmlang.inverse.lattices.cloud import Cloud, Integers
+from ipmlang.inverse.lattices.chains import LATE, LEAST_LOOSE, Chain, Mask, believable, grow
+from ipmlang.inverse.lattices.cloud import EVERY, Cloud, Integers
 from ipmlang.inverse.lattices.hopeless import hopeless
 from ipmlang.inverse.lattices.models import TERMS, TURN, Kind, Model, at, centre, spacing, start
 from ipmlang.inverse.lsystem.frames import Complexes
@@ -24,6 +24,8 @@ from ipmlang.inverse.lsystem.frames import Complexes
 ATTEMPTS = 120  # seeds grown in one search
 AHEAD = 60  # seeds that are looked at together
 BARREN = 15  # of them in a row that give nothing: seeds come best first, so the rest is hopeless
+STEPS = 6  # from two points to others of their row, with holes between
+WIDER = 1.5  # times as much more noise with each of these
 SLACK = 4.0  # times the noise that a prediction from a seed may be off
 TRIPLES = 80_000  # seeds of what bends
 SMOOTH, SHARP = 75.0, 125.0  # degrees between steps of noisy and of exact chains
@@ -96,7 +98,14 @@ class Seeds:
 
 def find_rows(known: Cloud, used: Mask, share: float) -> list[Chain]:
     """Rows of points not `used` (n,), which mark what they take; share: as for `grow`."""
-    seeds = _row_seeds(known, used, share)
+    found = _rows(known, _row_seeds(known, used, share), used, share)
+    if share > 0 and len(known) <= EVERY and np.count_nonzero(~used) >= LEAST_LOOSE["line"]:
+        found += _rows(known, _gapped_seeds(known, used, share), used, share)
+    return found
+
+
+def _rows(known: Cloud, seeds: Seeds, used: Mask, share: float) -> list[Chain]:
+    """Rows that begin with these seeds."""
     found: list[Chain] = []
     for _, index, rows in seeds.fresh():
         first = start("line", known.at[rows], index)
@@ -110,6 +119,23 @@ def find_rows(known: Cloud, used: Mask, share: float) -> list[Chain]:
             found.append(chain)
             seeds.patience = BARREN
     return found
+
+
+def _gapped_seeds(known: Cloud, used: Mask, share: float) -> Seeds:
+    """Two points and what lies as far on or back several times, five or more in all: rows whose
+    holes leave no three members side by side.
+    """
+    here, there = _pairs(known, used)
+    step = known.at[there] - known.at[here]
+    many = np.delete(np.arange(-STEPS, STEPS + 1), [STEPS, STEPS + 1])
+    reach = WIDER * share * np.abs(step)[:, None] * (1 + np.abs(many))
+    more = _find(known, used, known.at[here][:, None] + step[:, None] * many, reach)
+    ends = np.stack([here, there], axis=1)
+    rows = np.concatenate([more[:, :STEPS], ends, more[:, STEPS:]], axis=1)
+    count = (rows >= 0).sum(axis=1)
+    order = np.lexsort((here, np.abs(step).round(9), -count))
+    order = order[(count[order] >= LEAST_LOOSE["line"]) & (here[order] < there[order])]
+    return Seeds(rows[order], float(len(here)) / 2, used)
 
 
 def _row_seeds(known: Cloud, used: Mask, share: float) -> Seeds:
