@@ -106,3 +106,34 @@ def test_a_whole_as_many_times_as_large_along_all_axes_is_scaled(tmp_path: Path)
     assert made.text.splitlines()[:-1] == draft.text.splitlines()[:-1]
     before, after = (np.ptp(points(grown(each)), axis=0) for each in (draft, made))
     assert np.allclose(after, 1.5 * before)
+
+
+HOUSES = """ipm 1
+attr houses : int = 3 in 1..
+Row    --> split x { { ~6: House }* }
+House  -->
+    [size(6, 8, 9) cube Wall] repeat(i < 3) { [translate(1, -0.1, 1 + 3 * i) Opening] }
+    [translate(3.5, -0.1, 4) Opening]
+Opening --> [size(1.4, 0.1, 1.6) cube Pane] [translate(0, 0, -0.1) size(1.4, 0.1, 0.1) cube Sill]
+start Row on box(6 * houses, 8, 9)
+"""
+
+
+@pytest.mark.parametrize(("axis", "size"), [("x", 2.0), ("z", 2.0), ("z", 1.0)])
+def test_all_of_a_kind_get_the_size_and_what_holds_them_stays(axis: str, size: float) -> None:
+    draft = edit.read_text(HOUSES)
+    made = resize(draft, "Pane", Wanted(**{axis: size}), parameters=False)
+    low, high = grown(made).boxes(np.eye(3))
+    rows = [k for k, label in enumerate(grown(made).terminals.labels) if label == "Pane"]
+    assert len(rows) == 12
+    assert (high - low)[rows, "xyz".index(axis)] == pytest.approx([size] * 12, rel=1e-6)
+    rows = [k for k, label in enumerate(grown(made).terminals.labels) if label == "Sill"]
+    assert (high - low)[rows, 2] == pytest.approx([0.1] * 12, rel=1e-6)
+
+
+def test_rules_above_what_changed_alike_stay(tmp_path: Path) -> None:
+    draft = edit.read_text(HOUSES)
+    made = resize(draft, "Pane", Wanted(z=2.0), parameters=False)
+    for line in ("Row     --> split x { { ~6: House }* }", "start Row on box(6 * houses, 8, 9)"):
+        assert line in draft.text
+        assert line in made.text

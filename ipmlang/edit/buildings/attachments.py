@@ -41,6 +41,9 @@ class Stretching:
     def solve(self, values: Floats) -> tuple[Floats, Floats]:
         """(n,) low and (n,) high faces of all boxes for values (f,) of the fixed unknowns."""
         found = self.factored.solve(values, np.array(self.marking.at))
+        for unknown in self.marking.tied:
+            root, apart = self.marking.root(unknown)
+            found[unknown] = found[root] + apart
         attached, axis = self.marking.attached, self.marking.axis
         places = found[attached.faces[:, axis]] + attached.off[:, axis]
         return places[: len(attached)], places[len(attached) :]
@@ -61,8 +64,17 @@ def stretching(
 
 
 def _collected(marking: Marking) -> Equations:
+    """The equations, in what unknowns hang on where they hang on others."""
     weights = [WEIGHTS[kind] for kind in marking.kinds]
-    return equations(marking.terms, marking.values, weights, len(marking.at))
+    terms, values = marking.terms, marking.values
+    if marking.tied:
+        roots = [[(*marking.root(each), factor) for each, factor in own] for own in terms]
+        values = [
+            value - sum(apart * factor for _, apart, factor in own)
+            for value, own in zip(values, roots, strict=True)
+        ]
+        terms = [tuple((root, factor) for root, _, factor in own) for own in roots]
+    return equations(terms, values, weights, len(marking.at))
 
 
 def settle(own: Stretching, values: Floats) -> tuple[Floats, Floats] | None:
@@ -93,8 +105,10 @@ def _broken(
         if a != b:
             found.append(("order", ((b, 1.0), (a, -1.0)), 2 * LEAST * float(after[box])))
     for inner, outer in _left(attached, axis, low, high, near).tolist():
-        for face in marking.faces[inner]:
-            found += _share(marking, face, outer)
+        for face, at in zip(marking.faces[inner], (low[inner], high[inner]), strict=True):
+            stays = low[outer] - near <= at <= high[outer] + near
+            if face not in marking.across or not stays:  # one that gets a size keeps it
+                found += _share(marking, face, outer)
     return found
 
 

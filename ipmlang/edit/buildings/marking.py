@@ -29,8 +29,9 @@ BY_AXES: tuple[Kind, ...] = ("volume", "plane", "edge", "corner")  # that a pair
 @dataclass(slots=True, eq=False)
 class Marking:
     """Equations along one axis while they are collected; faces: the two unknowns of each box; at:
-    where each unknown is now; known: which have an equation; extents: boxes that get another size,
-    with that size.
+    where each unknown is now; known: which have an equation; fresh: of these the last ones; across:
+    the unknowns that lie across a box that gets another size, and how far they shall be away; tied:
+    those that hang on another one by that, and have no equation of their own.
     """
 
     attached: Attached
@@ -41,7 +42,18 @@ class Marking:
     terms: list[tuple[Term, ...]] = field(default_factory=list)
     values: list[float] = field(default_factory=list)
     kinds: list[Kind] = field(default_factory=list)
-    extents: Mapping[int, float] = field(default_factory=dict)
+    fresh: list[int] = field(default_factory=list)
+    across: dict[int, list[tuple[int, float]]] = field(default_factory=dict)
+    tied: dict[int, tuple[int, float]] = field(default_factory=dict)
+
+    def know(self, unknown: int) -> None:
+        """An unknown has its equation; what lies across a box that gets a size hangs on it."""
+        self.known[unknown] = True
+        self.fresh.append(unknown)
+        for other, apart in self.across.get(unknown, ()):
+            if not self.known[other]:
+                self.tied[other] = unknown, apart
+                self.know(other)
 
     def note(self, kind: Kind, terms: Sequence[Term], value: float) -> None:
         """One equation."""
@@ -49,8 +61,16 @@ class Marking:
         self.values.append(value)
         self.kinds.append(kind)
 
-    def between(self, kind: Kind, unknown: int, breaks: Breaks) -> bool:
-        """An unknown keeps its share between the faces beside it; no, if it is outside."""
+    def root(self, unknown: int) -> tuple[int, float]:
+        """What an unknown hangs on in the end, and how far it is from that."""
+        apart = 0.0
+        while unknown in self.tied:
+            unknown, more = self.tied[unknown]
+            apart += more
+        return unknown, apart
+
+    def between(self, kind: Kind, unknown: int, breaks: Breaks) -> None:
+        """An unknown keeps its share between the faces beside it, unless it is outside."""
         x = self.at[unknown]
         place = bisect.bisect_left(breaks, (x, -1))
         for near in breaks[max(place - 1, 0) : place + 1]:
@@ -59,24 +79,22 @@ class Marking:
                 break
         else:
             if not 0 < place < len(breaks):
-                return False
+                return
             (p, first), (q, second) = breaks[place - 1], breaks[place]
             share = (x - p) / (q - p)
             terms = ((unknown, 1.0), (first, share - 1.0), (second, -share))
             self.note(kind, terms, 0.0)
-        self.known[unknown] = True
-        bisect.insort(breaks, (x, unknown))
-        return True
+        begin = len(self.fresh)
+        self.know(unknown)
+        for each in self.fresh[begin:]:
+            if breaks[0][0] <= self.at[each] <= breaks[-1][0]:
+                bisect.insort(breaks, (self.at[each], each))
 
-    def offset(self, kind: Kind, unknown: int, other: int, box: int = -1) -> None:
-        """An unknown keeps its distance from a known one; the faces of a box that gets another
-        size get that.
-        """
+    def offset(self, kind: Kind, unknown: int, other: int) -> None:
+        """An unknown keeps its distance from a known one."""
         apart = self.at[unknown] - self.at[other]
-        if box in self.extents and {unknown, other} == set(self.faces[box]):
-            apart = self.extents[box] * (1.0 if apart >= 0 else -1.0)
         self.note(kind, ((unknown, 1.0), (other, -1.0)), apart)
-        self.known[unknown] = True
+        self.know(unknown)
 
 
 def mark(
@@ -93,10 +111,17 @@ def mark(
     at = np.zeros(int(numbers.max()) + 1)
     at[numbers] = np.concatenate([attached.low, attached.high])[:, axis] - attached.off[:, axis]
     known = [False] * len(at)
+    faces = list(zip(numbers[:count].tolist(), numbers[count:].tolist(), strict=True))
+    marking = Marking(attached, axis, faces, at.tolist(), known)
+    for box, size in (extents or {}).items():
+        low, high = faces[box]
+        if low != high:
+            marking.across.setdefault(low, []).append((high, size))
+            marking.across.setdefault(high, []).append((low, -size))
     for face in fixed.tolist():
         known[face] = True
-    faces = list(zip(numbers[:count].tolist(), numbers[count:].tolist(), strict=True))
-    marking = Marking(attached, axis, faces, at.tolist(), known, extents=extents or {})
+    for face in fixed.tolist():
+        marking.know(face)
     order = _distances(attached, edited)
     boxes = np.lexsort((np.arange(len(attached)), order)).tolist()
     rank = {box: place for place, box in enumerate(boxes)}
@@ -138,18 +163,20 @@ def _spread(marking: Marking, boxes: list[int], rank: dict[int, int]) -> None:
     waiting = deque(boxes)
     while True:
         if ready:
-            box = ready.popleft()
-            for unknown in _from(marking, box):
-                for other in sharing[unknown]:
-                    look(other)
-            continue
-        if half:
+            _from(marking, ready.popleft())
+        elif half:
             _, box = heapq.heappop(half)
             low, high = faces[box]
             if done[box] or (known[low] and known[high]):
                 look(box)
                 continue
-            _margin(marking, box, *((high, low) if known[low] else (low, high)))
+            inside = _to_be_resized(marking, box)
+            if inside is not None:
+                _free(marking, inside)
+                look(inside)
+                heapq.heappush(half, (rank[box], box))
+            else:
+                _margin(marking, box, *((high, low) if known[low] else (low, high)))
         else:
             while waiting and done[waiting[0]]:
                 waiting.popleft()
@@ -157,9 +184,11 @@ def _spread(marking: Marking, boxes: list[int], rank: dict[int, int]) -> None:
                 return
             box = waiting.popleft()
             _free(marking, box)
-        for unknown in marking.faces[box]:
+            look(box)
+        for unknown in marking.fresh:
             for each in sharing[unknown]:
                 look(each)
+        marking.fresh.clear()
 
 
 def _sharing(marking: Marking) -> list[list[int]]:
@@ -172,8 +201,11 @@ def _sharing(marking: Marking) -> list[list[int]]:
     return found
 
 
-def _from(marking: Marking, box: int) -> list[int]:
-    """Equations for the faces of neighbours that lie within a box whose faces are known."""
+def _from(marking: Marking, box: int) -> None:
+    """Equations for the faces of neighbours that lie within a box whose faces are known: they keep
+    their shares of it, those that get another size their distance from its low face, and what
+    begins or ends with those its size.
+    """
     at, known, tolerance = marking.at, marking.known, marking.attached.tolerance
     low, high = marking.faces[box]
     begin, end = at[low] - tolerance, at[high] + tolerance
@@ -186,20 +218,36 @@ def _from(marking: Marking, box: int) -> list[int]:
                     breaks.add((at[face], face))
                 else:
                     wanted.append((at[face], face, other, abut))
-    if not wanted:
-        return []
-    ordered, found = sorted(breaks), []
-    for place, face, other, abut in sorted(wanted):
+    wanted.sort()
+    for _, face, _, abut in wanted:
+        if face in marking.across and not known[face]:
+            marking.offset(BY_AXES[abut], face, low)
+    breaks |= {(place, face) for place, face, *_ in wanted if known[face]}
+    ordered = sorted(breaks)
+    for _, face, other, abut in wanted:
         if known[face]:
             continue
         first, last = marking.faces[other]
-        if other in marking.extents and face == last and known[first]:
-            marking.offset("size", last, first, other)
-            bisect.insort(ordered, (place, last))
-            found.append(face)
-        elif marking.between(BY_AXES[abut], face, ordered):
-            found.append(face)
-    return found
+        across = last if face == first else first
+        if across in marking.across and known[across]:
+            marking.offset("size", face, across)
+            bisect.insort(ordered, (at[face], face))
+        else:
+            marking.between(BY_AXES[abut], face, ordered)
+
+
+def _to_be_resized(marking: Marking, box: int) -> int | None:
+    """A neighbour within a box that gets another size and is not known yet: the box is as large as
+    that lets it.
+    """
+    at, tolerance = marking.at, marking.attached.tolerance
+    begin, end = (at[face] for face in marking.faces[box])
+    for other, _ in marking.attached.near[box]:
+        low, high = marking.faces[other]
+        within = begin - tolerance <= at[low] and at[high] <= end + tolerance
+        if within and low in marking.across and not (marking.known[low] or marking.known[high]):
+            return other
+    return None
 
 
 def _margin(marking: Marking, box: int, unknown: int, other: int) -> None:
@@ -209,9 +257,6 @@ def _margin(marking: Marking, box: int, unknown: int, other: int) -> None:
     at, tolerance = marking.at, marking.attached.tolerance
     x, near = at[unknown], at[other]
     kind: Kind = "size"
-    if box in marking.extents:
-        marking.offset(kind, unknown, other, box)
-        return
     side = 1.0 if x >= near else -1.0
     for each, abut in marking.attached.near[box]:
         for face in marking.faces[each]:
@@ -223,7 +268,7 @@ def _margin(marking: Marking, box: int, unknown: int, other: int) -> None:
 
 def _free(marking: Marking, box: int) -> None:
     """A box neither of whose faces is known: it keeps its margins around neighbours that are known,
-    or its place.
+    or its place, and gets the size that it is to have.
     """
     at, known = marking.at, marking.known
     low, high = marking.faces[box]
@@ -235,8 +280,9 @@ def _free(marking: Marking, box: int) -> None:
     ]
     if not faces:
         for face in dict.fromkeys((low, high)):
-            marking.note("position", ((face, 1.0),), at[face])
-            known[face] = True
+            if not known[face]:
+                marking.note("position", ((face, 1.0),), at[face])
+                marking.know(face)
         return
     marking.offset("size", low, min(faces, key=lambda face: at[face]))
     if not known[high]:

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TypeAlias
 
 import numpy as np
 
@@ -26,6 +27,7 @@ from ipmlang.edit.draft import Change, Draft
 from ipmlang.edit.symbols import Asked, Elements, needed_names, without_names
 from ipmlang.inverse.frames import Floats, Frames, compose, inverse, join, moved_to
 
+Drawn: TypeAlias = list[tuple[Elements, Elements]]
 SAME = 0.1  # of how near touches, that places may be off and are the same
 
 
@@ -54,6 +56,8 @@ class Rewriting:
     variants: dict[object, str] = field(default_factory=dict)
     made: dict[str, tuple[str, Elements]] = field(default_factory=dict)
     _shapes: dict[int, Placed] = field(default_factory=dict)
+    _still: dict[int, Drawn | None] = field(default_factory=dict)
+    _rows: dict[str, list[int]] = field(default_factory=dict)
 
     def shape(self, row: int) -> Placed:
         """A shape whose parts may have changed: its frame and what calls it."""
@@ -137,12 +141,44 @@ class Rewriting:
                 placed.append(self._once(unit[1]))
             else:
                 placed.append(Placed(self.forms.measured.frame(unit), self.forms.plain(unit, row)))
+        self._still[row] = None if row in self.more else self._unmoved(row, frame, placed)
         placed += self.more.get(row, ())
         inside = compose(inverse(frame), join([each.frame for each in placed]))
         parts = [(inside[k : k + 1], each.elements) for k, each in enumerate(placed)]
         return self.forms.laid(row, parts, self.near)
 
+    def _unmoved(self, row: int, frame: Frames, placed: Sequence[Placed]) -> Drawn | None:
+        """What the parts of a shape are drawn by and were, where all stand in it as they did."""
+        measured = self.forms.measured
+        units = measured.parts(row)
+        if len(units) != len(placed):
+            return None
+        moved = frame.position[0] - measured.frame(("shape", row)).position[0]
+        for unit, each in zip(units, placed, strict=True):
+            shift = _shift(measured.frame(unit), each.frame)
+            if shift is None or not _same(shift, moved, self.near):
+                return None
+        before = [self.forms.plain(unit, row) for unit in units]
+        return list(zip((each.elements for each in placed), before, strict=True))
+
+    def stays(self, name: str, renamed: Mapping[str, str]) -> bool:
+        """Whether the rule of a variant, or the axiom, says what it is to say as it stands, when
+        variants bear other names.
+        """
+        asked = self.forms.asked
+        rows = [0] if name == "start" else self._rows[name]
+        every = [self._still[row] for row in rows]
+        return all(
+            own is not None and all(_renamed(new, renamed, asked) == old for new, old in own)
+            for own in every
+        )
+
     def _variant(self, row: int, body: Elements) -> str:
+        name = self._named(row, body)
+        self._rows.setdefault(name, []).append(row)
+        return name
+
+    def _named(self, row: int, body: Elements) -> str:
         symbol = self.forms.tree.names[row]
         key = (symbol, body)
         if key not in self.variants:
@@ -217,11 +253,12 @@ def _with_rules(writing: Rewriting, axiom: Elements, what: str) -> Draft:
     for name, (symbol, body) in every.items():
         body = _renamed(body, renamed, forms.asked)
         if renamed.get(name) == symbol:
-            bodies[symbol] = body
+            if name not in writing.made or not writing.stays(name, renamed):
+                bodies[symbol] = body
         else:
             new.setdefault(symbol, []).append(ast.Rule(ast.Head(name), body))
-    axiom = _renamed(axiom, renamed, forms.asked)
-    grammar = _placed_rules(draft.grammar, new, bodies, axiom)
+    start = None if writing.stays("start", renamed) else _renamed(axiom, renamed, forms.asked)
+    grammar = _placed_rules(draft.grammar, new, bodies, start)
     tables = [_renamed_rows(each, renamed) for each in forms.tables]
     grammar = _with_tables(grammar, tables, forms.asked)
     if forms.baking is not None:
@@ -310,13 +347,16 @@ def _placed_rules(
     grammar: ast.Grammar,
     new: Mapping[str, Sequence[ast.Rule]],
     bodies: Mapping[str, Elements],
-    axiom: Elements,
+    axiom: Elements | None,
 ) -> ast.Grammar:
+    """The grammar with new rules behind those that they come of, other bodies, and another axiom if
+    there is one.
+    """
     items: list[ast.Item] = []
     heads = [item.head.name if isinstance(item, ast.Rule) else "" for item in grammar.items]
     waiting = dict(new)
     for number, item in enumerate(grammar.items):
-        if isinstance(item, ast.Start):
+        if isinstance(item, ast.Start) and axiom is not None:
             item = replace(item, axiom=axiom or (ast.Module("nil"),), choices=None)
         elif isinstance(item, ast.Rule) and item.head.name in bodies:
             item = replace(item, body=bodies[item.head.name] or (ast.Module("nil"),))
