@@ -16,7 +16,7 @@ from pathlib import Path
 from ipmlang.compiler import ast, collector
 from ipmlang.compiler.diagnostics import Diagnostic, IpmError, Source, fail, nearest
 from ipmlang.compiler.parse import ItemCache, new_cache, parse
-from ipmlang.compiler.references import References, Seen, is_inside
+from ipmlang.compiler.references import References, Seen, is_inside, no_such_file
 
 MAX_BYTES = 64_000_000
 SUFFIX = ".ipm"
@@ -135,7 +135,7 @@ def read_source(path: Path) -> Source:
             raise fail("file-too-large", message, hint="keep bulk numbers in the parts file")
         return Source(str(path), _decoded(path, path.read_bytes()))
     except FileNotFoundError:
-        raise _missing(path) from None
+        raise no_such_file(path, f"there is no file {path}", f"*{SUFFIX}") from None
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         raise fail("cannot-read", f"{path} cannot be read: {reason}") from error
@@ -148,13 +148,6 @@ def _decoded(path: Path, content: bytes) -> str:
         line = content.count(b"\n", 0, error.start) + 1
         message = f"{path} is not UTF-8: byte {error.start} on line {line} is wrong"
         raise fail("not-utf-8", message, hint="save the file as UTF-8 text") from error
-
-
-def _missing(path: Path) -> IpmError:
-    folder = path.parent
-    others = [each.name for each in folder.glob(f"*{SUFFIX}")] if folder.is_dir() else []
-    message = f"there is no file {path}"
-    return IpmError([Diagnostic("no-such-file", message, suggestions=nearest(path.name, others))])
 
 
 @remember

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TypeAlias, TypeVar
 
 from ipmlang.compiler import ast
-from ipmlang.compiler.diagnostics import nearest
+from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail, nearest
 
 DRAWINGS = (".svg",)
 MESHES = (".glb", ".obj", ".ply", ".stl")
@@ -21,6 +21,22 @@ NAMED = (".svg", ".glb", ".obj")
 TABLES = (".svg", ".glb")
 PICTURES = (".png", ".jpg", ".jpeg")
 FIELDS = (".npy",)
+
+
+def no_such_file(path: Path, message: str, kind: str = "*") -> IpmError:
+    """The error for a path that is no file: it is a folder, or else `message`, with the names of
+    this kind (`*.ipm`) that may have been meant.
+    """
+    if path.is_dir():
+        return fail("is-a-folder", f"{path} is a folder, not a file")
+    return IpmError([Diagnostic("no-such-file", message, suggestions=files_like(path, kind))])
+
+
+def files_like(path: Path, kind: str = "*") -> tuple[str, ...]:
+    """The files in the folder of a path whose names are near its own."""
+    folder = path.absolute().parent
+    names = [each.name for each in folder.glob(kind) if each.is_file()] if folder.is_dir() else []
+    return nearest(path.name, names)
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,13 +165,13 @@ class References:
         try:
             if path.is_file():
                 return path
-            others = [each.name for each in path.parent.iterdir()] if path.parent.is_dir() else []
+            meant = files_like(path)
         except OSError as error:
             return Problem("cannot-read", f"{name} cannot be read: {error.strerror}")
         return Problem(
             "no-such-file",
             f"there is no file {name} beside the grammar",
-            suggestions=nearest(path.name, others),
+            suggestions=meant,
         )
 
     def _remembered(

@@ -10,9 +10,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from ipmlang.compiler import ast
-from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail, nearest
+from ipmlang.compiler.diagnostics import fail
 from ipmlang.compiler.load import SUFFIX
-from ipmlang.compiler.references import DRAWINGS, MESHES, is_inside
+from ipmlang.compiler.references import DRAWINGS, MESHES, is_inside, no_such_file
 from ipmlang.edit.draft import Content, Draft
 from ipmlang.edit.files import file_names, files_with
 from ipmlang.edit.symbols import free_name
@@ -74,10 +74,7 @@ def found_file(draft: Draft, name: str) -> Path:
     for path in (Path(name), draft.folder / name):
         if path.is_file():
             return path
-    folder = (draft.folder / name).parent
-    others = [each.name for each in folder.iterdir()] if folder.is_dir() else []
-    meant = nearest(Path(name).name, others)
-    raise IpmError([Diagnostic("no-such-file", f"there is no file {name}", suggestions=meant)])
+    raise no_such_file(draft.folder / name, f"there is no file {name}")
 
 
 def _referred(draft: Draft, path: Path) -> tuple[Draft, str]:

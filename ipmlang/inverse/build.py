@@ -18,7 +18,7 @@ from ipmlang.inverse.boards import Printed, printed_block
 from ipmlang.inverse.lattices.formula import Formula
 from ipmlang.inverse.lattices.printing import PLAIN, Handles, printed, whole
 from ipmlang.inverse.lsystem.frames import Frames, Row
-from ipmlang.inverse.moves import call, even_place, polar_place, turns, turtle_step
+from ipmlang.inverse.moves import around, call, even_place, polar_place, turns, turtle_step
 from ipmlang.inverse.naming import Names
 from ipmlang.inverse.numbers import ROOM, linear, number, settled, shortest
 from ipmlang.inverse.reach import Reach
@@ -26,7 +26,7 @@ from ipmlang.inverse.recursion import branching_rules
 from ipmlang.inverse.score import TABLE_ROWS
 from ipmlang.inverse.simplify import AXIOM, Body, Book, Loop
 from ipmlang.inverse.tapers import Taper, taper_at
-from ipmlang.inverse.wording import Wording, plain_row, worded, worded_lattice
+from ipmlang.inverse.wording import Wording, arrangement, plain_row, worded, worded_lattice
 
 LABELS = ("x", "y", "angle", "scale")
 VARIABLES = ("i", "j", "k")  # of sequences in sequences
@@ -354,7 +354,7 @@ class Builder:
         if pattern.kind == "listed":
             return (ast.Bracket(self._copy(family, loop, variable)),)
         if pattern.kind == "even":
-            return self._even_copy(family, loop, sizes[-1], variable)
+            return self._even_copy(family, loop, sizes, limit, variable)
         error, radius = self._errors(family, loop.part, 1.0)[0], self.reach.radius[loop.part]
         step = turtle_step(pattern, sizes[-1], error, radius, variable)
         return (ast.Bracket(self._copy(family, loop, variable)), *step)
@@ -376,21 +376,20 @@ class Builder:
         arm = float(np.abs(loop.pattern.radii(np.arange(count, dtype=np.float64))).max())
         arm = max(arm + self.reach.radius[loop.part], errors[0])
         error = min(1e-4, float(np.rad2deg(errors[0] / arm))) / count
-        closed = len(sizes) == 1 and abs(abs(turn) * count - 360) <= error * count
-        angle: ast.Expr = number(turn, error)
-        if closed:
-            angle = ast.Binary("/", number(360.0 if turn > 0 else -360.0), limit)
-        around = ast.Binary("*", angle, ast.Name(variable))
-        place = polar_place(loop.pattern, count, errors, around, variable)
+        about = around(turn, error, count, limit if len(sizes) == 1 else None, variable)
+        place = polar_place(loop.pattern, count, errors, about, variable)
         return ast.Bracket((*place, *self._copy(family, loop, variable)))
 
     def _even_copy(
-        self, family: int, loop: Loop, count: int, variable: str
+        self, family: int, loop: Loop, sizes: Sequence[int], limit: ast.Expr, variable: str
     ) -> tuple[ast.Element, ...]:
-        x, y, angle, growth = loop.pattern.base
+        count, (x, y, angle, growth) = sizes[-1], loop.pattern.base
         errors = self._errors(family, loop.part, 1.0)
         size, turn, factor = (error / count for error in errors)
         copy = self._copy(family, loop, variable)
+        if arrangement(loop.pattern) == "stack" and abs(angle) > turn and abs(growth) <= factor:
+            about = around(angle, turn, count, limit if len(sizes) == 1 else None, variable)
+            return (ast.Bracket((call("+", about), *copy)),)
         if abs(angle) > turn or abs(growth) > factor or not loop.pattern.constant:
             place = even_place(loop.pattern, count, errors, variable)
             return (ast.Bracket((*place, *copy)),)

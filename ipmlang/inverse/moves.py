@@ -10,7 +10,7 @@ import numpy as np
 
 from ipmlang.compiler import ast
 from ipmlang.inverse.lsystem.patterns import Pattern
-from ipmlang.inverse.numbers import linear, number, quadratic
+from ipmlang.inverse.numbers import is_whole_turn, linear, number, quadratic
 
 
 def call(name: str, *args: ast.Expr) -> ast.Module:
@@ -73,6 +73,18 @@ def even_place(
         return (call("at", *arguments, *([] if same else [scaled])),)
     around = () if still else (call("+", turned),)
     return around if same else (*around, call("*", scaled))
+
+
+def around(
+    turn: float, error: float, count: int, limit: ast.Expr | None, variable: str
+) -> ast.Expr:
+    """`50 * i`, or `360 / n * i` where `count` turns are a full one. limit: what says the count,
+    None where it is not the same everywhere.
+    """
+    if limit is None or not is_whole_turn(turn, count, error * count):
+        return linear(0.0, turn, variable, (0.0, error))
+    each = ast.Binary("/", number(360.0 if turn > 0 else -360.0), limit)
+    return ast.Binary("*", each, ast.Name(variable))
 
 
 def polar_place(

@@ -6,12 +6,14 @@ error is the caller's; nothing here knows what the numbers mean.
 
 from __future__ import annotations
 
+from decimal import Decimal
 from functools import lru_cache
 
 from ipmlang.compiler import ast
 
 KEPT = 1 << 14  # answers of `shortest`: candidates for one drawing print the same numbers again
 PLACES = 16  # decimal places that are tried are fewer
+NEARLY_WHOLE = 1e-2  # degrees that a full turn may seem to be off by the digits of its parts
 ROOM = 16.0  # how many times the error a value may be off that is left out
 
 
@@ -37,6 +39,18 @@ def shortest(value: float, error: float) -> float:
         else:
             least = places + 1
     return best + 0.0
+
+
+def is_whole_turn(angle: float, count: int, room: float) -> bool:
+    """Whether so many turns by an angle (degrees) come to a full one, within `room` or but for the
+    last digit of the angle.
+
+    >>> is_whole_turn(51.42857, 7, 1e-9), is_whole_turn(51.0, 7, 1e-9), is_whole_turn(60.0, 5, 1e-9)
+    (True, False, False)
+    """
+    places = -int(Decimal(repr(angle)).normalize().as_tuple().exponent)
+    digit = min(count * 0.5 * 10.0**-places, NEARLY_WHOLE)
+    return abs(abs(angle) * count - 360) <= max(room, digit)
 
 
 def settled(value: float, error: float, neutral: float = 0.0) -> float:

@@ -13,7 +13,7 @@ from ipmlang.compiler import ast
 from ipmlang.inverse.lattices.formula import COLUMNS, Formula, LatticeRule
 from ipmlang.inverse.lsystem.frames import Floats, Frames
 from ipmlang.inverse.moves import call, turns
-from ipmlang.inverse.numbers import number, shortest
+from ipmlang.inverse.numbers import is_whole_turn, number, shortest
 
 ROW = "r"
 Errors = tuple[float, float, float]
@@ -35,8 +35,8 @@ PLAIN = Handles()
 
 
 def closed(formula: Formula) -> bool:
-    """Whether a ring's members are one full turn."""
-    whole = abs(abs(float(formula.turned_by)) * formula.length - 360) <= 1e-5
+    """Whether a ring's members are one full turn, but for the last digit of its step."""
+    whole = is_whole_turn(formula.turned_by, formula.length, 1e-5)
     return formula.polar is not None and not formula.nested and whole
 
 

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipmlang.compiler import ir
-from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail, nearest
+from ipmlang.compiler.diagnostics import IpmError, fail
+from ipmlang.compiler.references import no_such_file
 from ipmlang.formats import FormatError
 from ipmlang.geometry.footprints import footprint, sound
 from ipmlang.geometry.pieces import Piece
@@ -130,11 +131,7 @@ def standing_on(program: ir.Program, reference: str) -> ir.Program:
         name, _, node = reference.rpartition("#")
         path = Path(name) if name else path
     if not path.is_file():
-        beside = path.absolute().parent
-        names = [each.name for each in beside.iterdir()] if beside.is_dir() else []
-        message = f"there is no file {path} to start on"
-        meant = nearest(path.name, names)
-        raise IpmError([Diagnostic("no-such-file", message, suggestions=meant)])
+        raise no_such_file(path, f"there is no file {path} to start on")
     if not program.scoped:
         raise fail(
             "bad-command",
