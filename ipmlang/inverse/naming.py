@@ -31,7 +31,7 @@ GENERAL = re.compile(
     r"|tspan|image|vector|shape|object|st|cls|fil|str|xmlid|surface)[\d_]*|(patch|frame)_?\d+"
 )
 TAKEN = frozenset({"i", "n", "r", "e", "pi", "split", "here"})
-POLYGONS = {3: "triangle", 4: "quad", 5: "pentagon", 6: "hexagon", 8: "octagon", 10: "star"}
+POLYGONS = {3: "triangle", 4: "quad", 5: "pentagon", 6: "hexagon", 8: "octagon", 10: "decagon"}
 
 
 class Names:
@@ -130,7 +130,22 @@ def _polygon(outline: Outline) -> str:
         long = np.hypot(edges[:, 0], edges[:, 1])
         if (turned <= _room(edges)).all():
             return "square" if np.ptp(long) <= 1e-6 * long.max() else "rect"
-    return POLYGONS.get(sides, "outline")
+    return _cornered(outline.coords[:, 0], sides) if sides > 4 else POLYGONS.get(sides, "outline")
+
+
+def _cornered(corners: NDArray[np.float64], sides: int) -> str:
+    """A polygon by its corners (k, 2): a `star` has every second one inward, or goes around more
+    than once; what is else not convex is an `outline`.
+    """
+    edges = np.roll(corners, -1, axis=0) - corners
+    ahead = np.roll(edges, -1, axis=0)
+    across = edges[:, 0] * ahead[:, 1] - edges[:, 1] * ahead[:, 0]
+    sign = np.where(np.abs(across) <= _room(edges), 0.0, np.sign(across))
+    if (sign * sign[0] < 0).any():
+        pointed = sides % 2 == 0 and np.ptp(sign[::2]) == np.ptp(sign[1::2]) == 0 and sign.all()
+        return "star" if pointed else "outline"
+    turned = np.arctan2(across, np.sum(edges * ahead, axis=1)).sum()
+    return "star" if abs(turned) > 3 * np.pi else POLYGONS.get(sides, "outline")
 
 
 def _rounded(outline: Outline) -> str:

@@ -237,9 +237,9 @@ def test_similar_copies_in_a_row_are_a_regular_row() -> None:
 @pytest.mark.parametrize(
     ("placed", "rule"),
     [
-        (row(16, (5, 0), (10, 50)), "f(octagon_row_step)"),
-        (ring(12, 30, (50, 50)), "360 / octagon_ring_count"),
-        (np.add(grid(6, 5, (14, 0), (0, 16)), [10, 15, 0, 0, 0]), "octagon_column_step"),
+        (row(16, (5, 0), (10, 50)), "f(star_row_step)"),
+        (ring(12, 30, (50, 50)), "360 / star_ring_count"),
+        (np.add(grid(6, 5, (14, 0), (0, 16)), [10, 15, 0, 0, 0]), "star_column_step"),
     ],
     ids=["row", "ring", "grid"],
 )
@@ -265,9 +265,9 @@ def test_within_bounds_what_may_be_off() -> None:
     elements = copies(star(4, 2, 1), jittered(row(16, (5, 0), (10, 50)), 0.05))
     wide = made_of(elements, Options(within=2e-3))
     narrow = made_of(elements, Options(within=1e-5))
-    assert "octagon_row_step" in text(wide)
+    assert "star_row_step" in text(wide)
     assert wide.report.max_error <= 2e-3
-    assert "octagon_row_step" not in text(narrow)
+    assert "star_row_step" not in text(narrow)
     assert narrow.report.max_error <= 1e-5
 
 
@@ -316,6 +316,6 @@ def test_the_options_go_through_both_interfaces(tmp_path: Path) -> None:
     found = ipmlang.infer(path, symmetrize=True, weights=Weights(long=2), explain=True)
     assert found.report.mode == "within"
     assert found.explanation is not None
-    assert "being allowed; most of it in OctagonRow." in found.text
+    assert "being allowed; most of it in StarRow." in found.text
     with pytest.raises(IpmError):
         infer(path, similarity=0.1)

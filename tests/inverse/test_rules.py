@@ -103,6 +103,19 @@ def test_ring_turns_about_its_centre(shape: object) -> None:
     assert "at(50, 50" in text(made)
 
 
+@pytest.mark.parametrize("count", [7, 34])
+def test_a_ring_closes_whatever_its_step(count: int) -> None:
+    made = made_of(copies(leaf(6), ring(count, 30, (50, 50))))
+    assert "360 / curve_ring_count * i" in text(made)
+
+
+def test_a_stack_that_turns_once_around_says_so() -> None:
+    arm = [*copies(line(30), ring(6, 0, (50, 50)))]
+    twig = [*copies(line(9), ring(6, 20, (50, 50)))]
+    made = made_of([each for pair in zip(arm, twig, strict=True) for each in pair])
+    assert "360 / motif_stack_count * i" in text(made)
+
+
 def test_arc_of_a_ring_is_not_closed() -> None:
     made = made_of(copies(leaf(6), ring(12, 30, (50, 50))[:7]))
     assert made.report.rules == 1
