@@ -22,7 +22,8 @@ from ipmlang.__main__ import main
 from ipmlang.cli import run_command_line
 
 MEMORY = 3 << 30  # address space of a fork, bytes: libraries map far more than they touch
-SECONDS = 60  # wall time on two slow, shared cores; what is expected is a few
+SECONDS = 60  # of CPU that a fork may take: what is expected is a few
+PATIENCE = 900  # seconds until a fork that does nothing is given up
 DRAWING = '<svg xmlns="http://www.w3.org/2000/svg"><path style="fill: red" d="M0 0h1v1z"/></svg>'
 
 
@@ -54,10 +55,10 @@ def bounded(*words: str | Path, folder: Path) -> CompletedProcess[str]:
     server = _server()
     assert server.stdin and server.stdout
     print(json.dumps([told, str(folder), *map(str, names)]), file=server.stdin, flush=True)
-    if not select.select([server.stdout], [], [], SECONDS)[0]:
+    if not select.select([server.stdout], [], [], PATIENCE)[0]:
         server.kill()
         _server.cache_clear()
-        raise TimeoutError(f"{told} is not done after {SECONDS} s")
+        raise TimeoutError(f"{told} is not done after {PATIENCE} s")
     code = int(server.stdout.readline())
     out, err = (name.read_text(encoding="utf-8") for name in names)
     assert "Traceback" not in err, err
@@ -90,6 +91,7 @@ def _serve() -> None:
                 os.dup2(os.open(name, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), stream)
             os.chdir(folder)
             resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+            resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
             sys.argv[1:] = words
             main()
         _, status = os.waitpid(child, 0)

@@ -4,13 +4,12 @@ half-written, memory and time bounded.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from tests.cli.commands import SECONDS, bounded, ipmlang
+from tests.cli.commands import bounded, ipmlang
 
 SVG = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '
 
@@ -83,9 +82,7 @@ def test_a_bad_drawing_ends_cleanly(name: str, tmp_path: Path) -> None:
 def test_the_collected_hostile_drawings_end_cleanly(data: Path, tmp_path: Path) -> None:
     for path in sorted((data / "hostile").glob("*.svg")):
         out = tmp_path / f"{path.stem}.ipm"
-        started = time.monotonic()
         done = bounded("infer", path, "-o", out, folder=tmp_path)
-        assert time.monotonic() - started < SECONDS
         assert out.exists() == (done.returncode == 0), path.name
         if done.returncode:
             assert path.name in done.stderr
