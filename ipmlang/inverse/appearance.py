@@ -12,7 +12,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ipmlang.formats.drawing import Drawing, Effect, Fragment, Paint, PaintServer, Style
+from ipmlang.formats.drawing import (
+    ARC,
+    Drawing,
+    Effect,
+    Fragment,
+    Outline,
+    Paint,
+    PaintServer,
+    Style,
+)
 from ipmlang.inverse.clips import placed_clip
 from ipmlang.inverse.distance import pair_distances
 from ipmlang.inverse.lsystem.curves import stack
@@ -117,9 +126,21 @@ def _same_clip(a: Effect, b: Effect, unit: float) -> bool:
     one, other = placed_clip(a), placed_clip(b)
     if one is None or other is None or one[1] != other[1]:
         return False
+    if _same_corners(one[0], other[0], RELATIVE * unit):
+        return True
     fixed = np.zeros(1, np.bool_)
     error = pair_distances(stack([one[0]]), stack([other[0]]), fixed, unit)
     return bool(error[0] <= RELATIVE * unit)
+
+
+def _same_corners(a: Outline, b: Outline, near: float) -> bool:
+    """Whether outlines of the same segments have their points near each other, and so their curves;
+    an arc has other numbers than points.
+    """
+    if len(a.kind) != len(b.kind) or (a.kind != b.kind).any() or (a.kind == ARC).any():
+        return False
+    same = np.array_equal(a.starts, b.starts) and np.array_equal(a.closed, b.closed)
+    return same and bool(np.abs(a.coords - b.coords).max(initial=0.0) <= near / 2)
 
 
 def is_spaceless(effect: Effect) -> bool:

@@ -157,7 +157,9 @@ class Alphabet:
     def _marked(self, group: Definition, mark: int) -> Definition:
         """A group whose effect is its first leaf, so that it is compared with what was seen."""
         own = self[mark]
-        keeps = group.stabiliser[self._keeps(mark, identity(1), group.stabiliser)]
+        keeps = group.stabiliser
+        if len(keeps) > 1:  # the identity always keeps everything
+            keeps = keeps[self._keeps(mark, ORIGIN, keeps)]
         return replace(
             group,
             leaves=np.concatenate([own.leaves, group.leaves]),
@@ -269,6 +271,8 @@ class Alphabet:
     def _stabiliser(self, parts: Integers, places: Frames) -> tuple[Frames, bool]:
         """Frames that keep every member where it is, and whether all rotations do."""
         first = self[int(parts[0])]
+        if len(first.stabiliser) == 1 and not first.free:
+            return ORIGIN, False
         lead = compose(places[:1], first.stabiliser)
         candidates = compose(lead, inverse(places[:1]))
         if first.free:
