@@ -22,6 +22,7 @@ HEAD = 2  # `Name -->`
 EVEN = 1e-5  # degrees or ratio: what steps of one sequence may differ by
 COUNTED = 3  # `(n)` on a use, and as much again on the head
 LOOP = 9  # `repeat(i < n) { … }`
+TREE = 2 * (HEAD + COUNTED + 4) + 10  # both rules of a branching structure of one twig, at least
 TABLE_ROWS = 8  # fewer placements of one symbol are written out
 INLINE_ROWS = 24  # a longer table goes to the parts file
 AROUND = 6  # `[at(…) A]` about the numbers of a placement
@@ -165,7 +166,7 @@ def sequence_tokens(pattern: Pattern) -> int:
 
 def tree_tokens(branching: Branching) -> int:
     """Tokens of both rules of a branching structure, heads included."""
-    total = 2 * (HEAD + COUNTED + 4) + 2
+    total = TREE - 8
     for twig in branching.twigs:
         total += 8 + (twig.hand < 0)
         for first, slope, rest in zip(twig.first, twig.slope, (0.0, 0.0, 1.0, 0.0), strict=True):

@@ -77,7 +77,7 @@ def _noisier(known: Cloud, net: Net, used: Mask, tests: float, finer: Integers) 
     p, q, r, s = finer
     i, j = unstaggered(net).T
     index = np.stack([p * i + q * j, r * i + s * j], axis=1)
-    tried = _grown(known, _Seed(index, net.rows), used, known.loose)
+    tried = _grown(known, _Seed(index, net.rows), used, known.loose, least)
     if tried is None or len(tried) < least:
         return net
     return tried if _believable(known, tried, tests) else net
@@ -186,8 +186,10 @@ def _nodes(
 # ------------------------------------------------------------------------ growing
 
 
-def _grown(known: Cloud, seed: _Seed, used: Mask, share: float) -> Net | None:
-    """The largest grid about a seed, in the basis in which its box is best filled."""
+def _grown(known: Cloud, seed: _Seed, used: Mask, share: float, least: float = 0) -> Net | None:
+    """The largest grid about a seed, in the basis in which its box is best filled; None for one of
+    less than the `least` members.
+    """
     index, rows = seed.index, seed.rows
     index, rows = _distinct(index, rows)
     for _ in range(24):
@@ -206,7 +208,7 @@ def _grown(known: Cloud, seed: _Seed, used: Mask, share: float) -> Net | None:
         index, rows = new_index, new_rows
         if same:
             break
-    return _finished(known, index, rows, share)
+    return _finished(known, index, rows, share) if len(rows) >= least else None
 
 
 def _fit(known: Cloud, index: Integers, rows: Integers) -> Fit | None:
@@ -236,25 +238,29 @@ def _box(index: Integers, count: int) -> Integers:
     wide = np.maximum(2, size // 2)
     if np.prod(size + 2 * wide) > 64 + 8 * count:
         wide = np.array([2, 2])
-    axes = [np.arange(a - w, b + w + 1) for a, b, w in zip(low, high, wide, strict=True)]
-    i, j = np.meshgrid(*axes, indexing="ij")
-    return np.stack([i.ravel(), j.ravel()], axis=1)
+    first, sizes = low - wide, (size + 2 * wide).tolist()
+    box = np.empty((*sizes, 2), np.int64)
+    box[..., 0] = (first[0] + np.arange(sizes[0]))[:, None]
+    box[..., 1] = first[1] + np.arange(sizes[1])
+    return box.reshape(-1, 2)
 
 
 def _connected(box: Integers, there: Mask, start: Integers) -> Mask:
-    """Which nodes (k, 2) of a box are members that steps of at most two nodes join to the start."""
-    low = box.min(axis=0)
-    full = np.zeros(tuple(box.max(axis=0) - low + 3), np.bool_)
-    i, j = (box - low + 1).T
-    full[i, j] = there
+    """Which nodes (k, 2) of a box, line by line, are members that steps of at most two nodes join
+    to the start.
+    """
+    low, size = box[0], box[-1] - box[0] + 1
+    full = np.zeros(size + 2, np.bool_)
+    inside = full[1:-1, 1:-1]
+    inside[...] = there.reshape(inside.shape)
     thick = full.copy()
     thick[1:] |= full[:-1]
     thick[:, 1:] |= thick[:, :-1].copy()
     piece = _pieces(thick)
-    own = int(piece[tuple(start - low + 1)])
+    own, number = int(piece[tuple(start - low + 1)]), piece[1:-1, 1:-1].ravel()
     if own == piece.size:
-        own = int(np.bincount(piece[i, j][there], minlength=1).argmax())
-    return np.asarray(there & (piece[i, j] == own))
+        own = int(np.bincount(number[there], minlength=1).argmax())
+    return np.asarray(there & (number == own))
 
 
 def _pieces(there: Mask) -> Integers:
@@ -320,6 +326,8 @@ def _filled(index: Integers, share: float) -> Mask:
         low, high = there.min(axis=0), there.max(axis=0)
         size = high - low + 1
         share_all = len(there) / float(np.prod(size))
+        if share_all >= FILLED and share == 0:
+            break
         ends = [(axis, int(value[axis])) for axis in (0, 1) for value in (low, high)]
         counts = [int((there[:, axis] == value).sum()) for axis, value in ends]
         parts = [count / size[1 - axis] for count, (axis, _) in zip(counts, ends, strict=True)]

@@ -46,6 +46,7 @@ from ipmlang.inverse.score import (
     COUNTED,
     HEAD,
     LOOP,
+    TREE,
     Tabled,
     placement_tokens,
     sequence_tokens,
@@ -116,9 +117,8 @@ class Search:
 
     def _larger(self, pairs: Pairs, loose: Integers, cost: Tabled, least: float) -> list[Candidate]:
         """Motifs, sequences and trees, all of them that save so much."""
-        return (
-            self._motifs(pairs, loose, cost, least) + self._sequences(cost, least) + self._trees()
-        )
+        found = self._motifs(pairs, loose, cost, least) + self._sequences(cost, least)
+        return found + self._trees(cost, least)
 
     def _weighed(self, candidates: list[Candidate]) -> list[Candidate]:
         """With their terms, where somebody asks for these."""
@@ -289,13 +289,12 @@ class Search:
 
     # ------------------------------------------------------------------ trees
 
-    def _trees(self) -> list[Candidate]:
-        cost = placement_tokens(self.string.placed, self.alphabet.tolerance)
+    def _trees(self, cost: Tabled, least: float) -> list[Candidate]:
         found = []
-        for tree in self.trees.find(self.alphabet, self.string):
+        for tree in self.trees.find(self.alphabet, self.string, cost.alone, least + TREE):
             rows = np.arange(tree.first, tree.first + tree.count)
             left = int(placement_tokens(tree.lead, self.alphabet.tolerance)[0])
-            gain = float(cost[rows].sum() - left - tree_tokens(tree.branching))
+            gain = float(cost.alone[rows].sum() - left - tree_tokens(tree.branching))
             if gain >= 1.0:
                 found.append(Candidate(gain, tree.first, rows[:1], tree.lead, tree=tree))
         return found

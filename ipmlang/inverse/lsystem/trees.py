@@ -13,7 +13,7 @@ import numpy as np
 
 from ipmlang.inverse.lsystem.frames import Frames
 from ipmlang.inverse.lsystem.regular import stretches
-from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement
+from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers
 from ipmlang.inverse.recursion.branching import Branching, find_branching
 
 LEAST = 7  # nodes
@@ -37,14 +37,20 @@ class TreeSearch:
 
     failed: set[tuple[int, int]] = field(default_factory=set)
 
-    def find(self, alphabet: Alphabet, arrangement: Arrangement) -> Iterator[Tree]:
-        """Trees in the longest stretches."""
+    def find(
+        self, alphabet: Alphabet, arrangement: Arrangement, tokens: Integers, least: float
+    ) -> Iterator[Tree]:
+        """Trees in the longest stretches, of those whose symbols take the `least` tokens in all;
+        tokens: (n,) of each symbol's placement.
+        """
         same = stretches(arrangement)
         edges = np.flatnonzero(np.diff(same, prepend=-1))
         sizes = np.diff(np.append(edges, len(same)))
         longest = np.argsort(-sizes, kind="stable")[:MOST_TRIES]
         for which in longest[sizes[longest] >= LEAST].tolist():
             first, count = int(edges[which]), int(sizes[which])
+            if tokens[first : first + count].sum() < least:
+                continue
             size = alphabet[int(arrangement.symbol[first])].size
             key = int(arrangement.start[first]), count * size
             if key not in self.failed:
