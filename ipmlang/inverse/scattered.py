@@ -24,11 +24,14 @@ from ipmlang.inverse.lsystem.frames import (
     apply,
     compose,
     frames,
+    identity,
     inverse,
     join,
+    replaced,
     unit,
     wrap,
 )
+from ipmlang.inverse.lsystem.spaces import stabilisers
 from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers, joined
 from ipmlang.inverse.score import AROUND, HEAD
 
@@ -157,26 +160,36 @@ def _votes(alphabet: Alphabet, string: Arrangement, rows: Integers) -> tuple[_Vo
     """
     symbols, often = np.unique(string.symbol[rows], return_counts=True)
     order = np.argsort(often, kind="stable")
-    none = np.zeros(0, np.int64)
-    nothing = _Votes(none, none, string.placed[none], string.placed[none])
-    made, round_ones = [nothing], [nothing]
+    nobody = np.zeros((2, 0), np.int64)
+    plain, round_ones = [nobody], [nobody]
     left = PAIRS
     for symbol, count in zip(symbols[order].tolist(), often[order].tolist(), strict=True):
-        keeps = alphabet[symbol].stabiliser
-        left -= count * (count - 1) * len(keeps)
+        left -= count * (count - 1) * len(alphabet[symbol].stabiliser)
         if left < 0:
             break
         if count < 2:
             continue
         own = rows[string.symbol[rows] == symbol]
-        one, other = (each.ravel() for each in np.meshgrid(own, own, indexing="ij"))
-        one, other = one[one != other], other[one != other]
-        there = compose(string.placed[other][:, None], keeps)
-        move = compose(there, inverse(string.placed[one])[:, None]).flat()
-        one, other = np.repeat(one, len(keeps)), np.repeat(other, len(keeps))
-        voting = round_ones if alphabet[symbol].free else made
-        voting.append(_Votes(one, other, there.flat(), move))
-    return _together(made), _together(round_ones)
+        both = np.stack([np.repeat(own, count), np.tile(own, count)])
+        voting = round_ones if alphabet[symbol].free else plain
+        voting.append(both[:, both[0] != both[1]])
+    one, other = (_moves(alphabet, string, *np.hstack(each)) for each in (plain, round_ones))
+    return one, other
+
+
+def _moves(alphabet: Alphabet, string: Arrangement, one: Integers, other: Integers) -> _Votes:
+    """Every similarity that maps some rows (p,) onto others of the same symbols."""
+    symbol = string.symbol[one]
+    keeps = alphabet.keeping[symbol]
+    first, pair = np.cumsum(keeps) - keeps, np.repeat(np.arange(len(one)), keeps)
+    there, move = identity(len(pair)), identity(len(pair))
+    for count in np.unique(keeps).tolist():
+        own = np.flatnonzero(keeps == count)
+        every = compose(string.placed[other[own]][:, None], stabilisers(alphabet, symbol[own]))
+        moved = compose(every, inverse(string.placed[one[own]])[:, None])
+        at = first[own][:, None] + np.arange(count)
+        there, move = replaced(there, at, every), replaced(move, at, moved)
+    return _Votes(one[pair], other[pair], there, move)
 
 
 def _together(votes: list[_Votes]) -> _Votes:

@@ -104,10 +104,13 @@ def fits(symbols: Given, table: Floats, given: Rounding, most: int) -> list[Fit]
     apart = _head(symbols.count) + READ * symbols.count + count * _named(symbols.count)
     own = sum(row.least for row in symbols.rows)
     kept = np.flatnonzero(placed + apart + own <= most)
+    if not len(kept):
+        return []
     every, turned = _local(table, begins, compose(inverse(anchors[kept])[:, :, None], stand), given)
     errors = _errors(lengths, table.shape[1], given)
     varying = np.asarray(every.max(axis=1) - every.min(axis=1) > errors, np.bool_)
     least = apart + placed[kept] + _least(lengths, every[:, 0], varying, turned)
+    turns = may_turn(every[..., begins + 2])
     made = [
         Fit(
             order,
@@ -123,9 +126,11 @@ def fits(symbols: Given, table: Floats, given: Rounding, most: int) -> list[Fit]
             int(least[k]),
         )
         for k, order in enumerate(kept.tolist())
+        if turns or least[k] <= most
     ]
-    if may_turn(every[..., begins + 2]):
-        made = [_turning(each, begins, apart, given) for each in made]
+    if not turns:
+        return made
+    made = [_turning(each, begins, apart, given) for each in made]
     return [each for each in made if each.least <= most]
 
 

@@ -126,13 +126,13 @@ def _canonical(
         one, other = int(left[rows[0]]), int(right[rows[0]])
         many = len(rows) * int(sizes[one] * sizes[other])
         for part in np.array_split(rows, 1 + many // 500_000):
-            groups = _stabilisers(alphabet, left[part]), _stabilisers(alphabet, right[part])
+            groups = stabilisers(alphabet, left[part]), stabilisers(alphabet, right[part])
             made = _unique(step[part], lead[part], groups, bool(free[one]), bool(free[other]))
             step, lead = replaced(step, part, made[0]), replaced(lead, part, made[1])
     return step, lead
 
 
-def _stabilisers(alphabet: Alphabet, symbols: Integers) -> Frames:
+def stabilisers(alphabet: Alphabet, symbols: Integers) -> Frames:
     """(m, k) frames, where all these symbols have k."""
     known, which = np.unique(symbols, return_inverse=True)
     groups = [alphabet[int(symbol)].stabiliser for symbol in known]
