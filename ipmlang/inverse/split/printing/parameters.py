@@ -18,7 +18,7 @@ from ipmlang.compiler.format import format_grammar
 from ipmlang.compiler.nodes import mapped, nodes
 from ipmlang.compiler.tokens import count_text_tokens
 from ipmlang.inverse.folding.printing import parameters
-from ipmlang.inverse.folding.symbols import LABEL, MOST_SYMBOLS
+from ipmlang.inverse.folding.symbols import LABEL
 from ipmlang.inverse.naming import Names
 from ipmlang.inverse.split.printing.schedules import SHAPE
 
@@ -135,7 +135,7 @@ def _family(
               if len(set(column)) > 1}  # fmt: skip
     order = [column for column in dict.fromkeys(columns) if column in varied]
     named = [column for column in order if isinstance(column[0], ast.Name)]
-    if len(named) > MOST_SYMBOLS or len(order) > MOST or len(order) >= len(columns):
+    if len(order) > MOST or len(order) >= len(columns):
         return None
     order = [*named, *(column for column in order if column not in named)]
     wishes = [
