@@ -17,12 +17,13 @@ from ipmlang.inverse.folding import fold
 from ipmlang.inverse.folding.book import Covered, Stretch
 from ipmlang.inverse.folding.fold import Known, _fitted
 from ipmlang.inverse.folding.known_rows import KnownRows
+from ipmlang.inverse.folding.least import least_tokens
 from ipmlang.inverse.folding.lengths import row_lengths
 from ipmlang.inverse.folding.pivots import about_points
 from ipmlang.inverse.folding.printing import printed_tokens
 from ipmlang.inverse.folding.progressions import RepeatTokens, with_repeats
 from ipmlang.inverse.folding.rows import Row, element_tokens, rows_of, with_numbers
-from ipmlang.inverse.folding.templates import rounding
+from ipmlang.inverse.folding.templates import best_template, rounding
 
 THINGS = "Box --> [F(2)]\nDot --> [F(1)]\nBar --> [F(3)]\n"
 CELL = "[at({}, {}) Box] [at({}, {}) Dot] [at({}, {}) Bar] [at({}, {}) Dot]"
@@ -259,6 +260,43 @@ def test_lengths_for_many_numbers_at_once_are_those_of_rows() -> None:
     wanted = [sum(each.tokens for each in with_numbers(rows, own)) for own in numbers.tolist()]
     assert found.tolist() == wanted
     assert len(set(wanted)) > 10
+
+
+@pytest.mark.parametrize("kind", ["moved", "turned", "about points", "any", "sized", "told"])
+def test_no_rule_takes_less_than_is_known_before_its_numbers_are_fitted(kind: str) -> None:
+    random, given, fitted = np.random.default_rng(len(kind)), rounding(1e-3), 0
+
+    def place(*, free: bool) -> tuple[float, float, float, float]:
+        x, y = random.choice([0.0, 1.0, 1.0004, -7.5, 20.0], 2).tolist()
+        angle, scale = float(random.choice([0, 30, 180])), float(random.choice([1, 1, 2]))
+        turned = free and kind in ("turned", "any")
+        return (x, y, angle if turned else 0.0, scale if free and kind == "sized" else 1.0)
+
+    for _ in range(60):
+        count, often = int(random.integers(1, 5)), int(random.integers(2, 6))
+        own = [place(free=True) for _ in range(count)]
+        stretches = []
+        for _ in range(often):
+            lead, turn = place(free=True), float(random.integers(0, 90))
+            shift = [float(random.choice([0, 0, 0.002, 5])) for _ in own]
+            told = (float(random.integers(0, 3)),) if kind == "told" else ()
+            name = str(random.choice(["A", "B"])) if kind in ("any", "told") else "A"
+            spin = turn if kind == "about points" else 0.0
+            rows = [
+                Row(
+                    (x + lead[0] + more, y + lead[1], angle + lead[2] + spin, size),
+                    name=name,
+                    args=told,
+                )
+                for (x, y, angle, size), more in zip(own, shift, strict=True)
+            ]
+            stretches.append(tuple(rows))
+        written = sum(row.tokens for rows in stretches for row in rows)
+        found = best_template(stretches, given, -1000)
+        if found is not None:
+            fitted += 1
+            assert written - least_tokens(stretches, given) >= found[1], stretches
+    assert fitted > 20
 
 
 def test_rows_that_say_the_same_are_one() -> None:
