@@ -54,6 +54,7 @@ _NUMBER = re.compile(r"(?<![\w.])[0-9]+(?:\.[0-9]+)?")
 _SIGN = re.compile(r"(?:[(,]|^)\s*-(?=[0-9])", re.MULTILINE)  # a part of its number
 GRID = 2e-7  # of the diagonal: what a place on a grid may be off
 SHARE = 1e-8  # of the diagonal: what one rounded number may move a point by
+ROUNDED = 1e-3  # of the usual error of points that are rounded once they are drawn
 
 
 class Parts(Protocol):
@@ -202,7 +203,8 @@ def write_grammar(book: Book, subject: Subject) -> Written:
 
     def parts(but: frozenset[str] = frozenset()) -> str:
         kept = {named[k]: (k, book.assets.get(k)) for k in assets if named[k] not in but}
-        diagonal = subject.observed.diagonal
+        fine = 1.0 if subject.observed.decimals is None else ROUNDED
+        diagonal = fine * subject.observed.diagonal
         return terminals_file(subject.instanced, diagonal, kept, shown_effects, stored)
 
     often = np.bincount(subject.instanced.string.symbol, minlength=len(terminals))

@@ -7,8 +7,8 @@ those of the model, y up. Nothing here looks for patterns or writes grammars.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import TypeAlias
 
 import numpy as np
@@ -67,7 +67,8 @@ class Observation:
     y_model = c - y_svg; diagonal: of the box, else of what is drawn, never 0; precision: decimals
     that write every coordinate of the input exactly, 17 if there is no such number below 10;
     tolerance: units, the bound on `error` unless similar shapes were asked for; drawing: what was
-    read; decimals: to which its points are rounded once they are drawn, None where they are not.
+    read; decimals: to which its points are rounded once they are drawn, None where they are not;
+    shift: by row, how far some elements are from where rules have them before that, x + iy.
     """
 
     shape: NDArray[np.int32]
@@ -85,6 +86,7 @@ class Observation:
     tolerance: float
     drawing: Drawing
     decimals: int | None = None
+    shift: Mapping[int, complex] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.shape)

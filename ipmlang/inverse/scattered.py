@@ -388,7 +388,7 @@ def _believable(
     if all(float(np.abs(each.off).max()) <= alphabet.tolerance for each in group.copies):
         room = alphabet.tolerance
     at = string.placed.position[rows]
-    area = max(float(np.ptp(at.real) * np.ptp(at.imag)), room * room)
+    area = max(float(np.ptp(at.real) * np.ptp(at.imag)), room * room, 1e-300)
     _, which, often = np.unique(string.symbol[rows], return_inverse=True, return_counts=True)
     expected = float((np.pi * room**2 / area * (often[which] - 1)).sum())
     count = len(group.one) - 1

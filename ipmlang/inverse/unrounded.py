@@ -8,7 +8,7 @@ lattice stays. Nothing here writes a grammar.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Container, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
@@ -19,19 +19,23 @@ from ipmlang.inverse.lattices.build import Lattice
 from ipmlang.inverse.lattices.choice import NOISE
 from ipmlang.inverse.lattices.find import find_lattices
 from ipmlang.inverse.lattices.formula import fitted_formula
-from ipmlang.inverse.lattices.unrounding import Rounded, before_rounding
+from ipmlang.inverse.lattices.unrounding import Before, Rounded, Work, before_rounding
 from ipmlang.inverse.lsystem.frames import Complexes, apply, compose, inverse
 from ipmlang.inverse.lsystem.symbols import Integers
+from ipmlang.inverse.lsystem.symmetry import Symmetry
 from ipmlang.inverse.observation import Observation, ShapeClass, observe
 from ipmlang.inverse.options import Options
 from ipmlang.inverse.pages import Page
 from ipmlang.inverse.tolerances import Tolerances, seen
 
-APART = 3.0  # of the last decimal: by which shapes that were one before rounding differ
+# Of the last decimal: by which shapes that were one before rounding differ, and by which what maps
+# a shape onto itself misses.
+APART = (3.0, 8.0)
 EXACT = 1.0  # the same, of the places of points,
 TURNED = 2.0  # and of what lies at the edge of a shape by its angle and size
 FINE = 1e-3  # of the usual tolerances: what is near the middle of two decimals must not be moved
 PROOF = 0.25  # of the last decimal: what any point of the result may be off
+LARGEST = 0.05  # radians, and share of its size, that a small shape is turned and grown by rounding
 LEAST = 6  # members of a lattice
 MOST = 2000  # elements
 PART = 0.1  # of the elements that must have been on lattices
@@ -40,14 +44,18 @@ MOST_POINTS = 24  # of a shape
 SIZES = 9  # decimals of a size that tell circles apart
 USED = {LINE: 2, QUADRATIC: 3, CUBIC: 4}  # points of a segment
 Box: TypeAlias = tuple[float, float, float, float]
+Moved: TypeAlias = tuple[Complexes, complex]  # points, y up, and `Unrounded.shift`
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Unrounded:
-    """The drawing before it was rounded to so many decimals."""
+    """The drawing before it was rounded to so many decimals; shift: by how much some elements, by
+    row, are to be moved before that, x + iy, y up.
+    """
 
     drawing: Drawing
     decimals: int
+    shift: Mapping[int, complex]
 
 
 def unrounded(drawing: Drawing) -> Unrounded | None:
@@ -60,22 +68,24 @@ def unrounded(drawing: Drawing) -> Unrounded | None:
         return None
     grain = 10.0**-decimals
     exact = observe(drawing)
-    loose = observe(drawing, APART * grain / exact.diagonal)
-    upward = [each.real + 1j * (loose.flip - each.imag) for each in points]
-    moved: dict[int, Complexes] = {}
-    for rows, lattice in _lattices(loose, grain):
-        if not any(row in moved for row in rows.tolist()):
-            moved |= _before(lattice, rows, upward, grain)
-    far = sum(
-        float(np.abs(new - upward[row]).max()) > exact.tolerance for row, new in moved.items()
-    )
+    upward = [each.real + 1j * (exact.flip - each.imag) for each in points]
+    moved, work = dict[int, Moved](), Work()
+    for apart in APART:
+        loose = observe(drawing, apart * grain / exact.diagonal)
+        for shape in loose.classes:
+            _move(loose, shape, upward, grain, moved, work)
+    off = [np.abs(new - upward[row]).max() for row, (new, _) in moved.items()]
+    far = sum(bool(each > exact.tolerance) for each in off)
     if far < max(LEAST, PART * len(points)):
         return None
     elements = list(drawing.elements)
-    for row, new in moved.items():
-        down = new.real + 1j * (loose.flip - new.imag)
+    for row, (new, _) in moved.items():
+        down = new.real + 1j * (exact.flip - new.imag)
         elements[row] = _moved(elements[row], points[row], down)
-    return Unrounded(replace(drawing, elements=tuple(elements)), decimals)
+    shift = {row: by for row, (_, by) in moved.items() if by}
+    if shift and any(each.style.effects for each in elements):
+        return None
+    return Unrounded(replace(drawing, elements=tuple(elements)), decimals, shift)
 
 
 def seen_before(before: Unrounded, options: Options) -> tuple[Observation, Tolerances]:
@@ -87,7 +97,7 @@ def seen_before(before: Unrounded, options: Options) -> tuple[Observation, Toler
     given = Tolerances(
         given.shapes, FINE * given.search, FINE * given.rounding, min(given.proof, PROOF * grain)
     )
-    return replace(observed, decimals=before.decimals), given
+    return replace(observed, decimals=before.decimals, shift=before.shift), given
 
 
 def _decimals(box: Box, points: list[Complexes]) -> int | None:
@@ -147,56 +157,81 @@ def _moved(element: DrawnElement, old: Complexes, new: Complexes) -> DrawnElemen
 # ------------------------------------------------------------------------ lattices
 
 
-def _lattices(seen: Observation, grain: float) -> Iterator[tuple[Integers, Lattice]]:
-    """Lattices among the elements of one shape and style, and which rows these are."""
-    for shape in seen.classes:
-        if shape.fragment is not None or shape.kind == "point":
-            continue
-        around = shape.symmetry.order == 0
-        near = (EXACT if around else TURNED) * grain
-        keeps = shape.symmetry.stabiliser
-        for own in _alike(seen, shape):
-            placed = seen.frames[own]
-            for each in find_lattices(placed, keeps, around, shape.radius, near, NOISE, own):
-                if len(each) >= LEAST and each.handedness.kind == "regular":
-                    yield own[each.rows], each
+def _move(
+    seen: Observation,
+    shape: ShapeClass,
+    points: list[Complexes],
+    grain: float,
+    moved: dict[int, Moved],
+    work: Work,
+) -> None:
+    """Add to `moved` the points, by row, of members of lattices of one shape, before rounding."""
+    if shape.fragment is not None or shape.kind == "point":
+        return
+    around = shape.symmetry.order == 0
+    near = (EXACT if around else TURNED) * grain
+    keeps, known = shape.symmetry.stabiliser, list[Complexes]()
+    for own in _alike(seen, shape, moved):
+        placed = seen.frames[own]
+        size = (placed, keeps, around, shape.radius)
+        for lattice in find_lattices(*size, near, NOISE, own, LARGEST):
+            rows = own[lattice.rows].tolist()
+            if any(row in moved for row in rows):
+                continue
+            there = [points[row] for row in rows]
+            made = _before(lattice, shape.symmetry, seen.flip, there, grain, known, work)
+            if made is not None:
+                told = zip(made.points, made.shift.tolist(), strict=True)
+                found = zip(rows, told, made.kept.tolist(), strict=True)
+                moved.update({row: each for row, each, kept in found if kept})
 
 
-def _alike(seen: Observation, shape: ShapeClass) -> Iterator[Integers]:
-    """Rows of one shape and style; of one size, where rounding leaves sizes as they are."""
-    style, scale = seen.style[shape.members], np.ones(len(shape.members))
+def _alike(seen: Observation, shape: ShapeClass, moved: Container[int]) -> Iterator[Integers]:
+    """Rows of one shape and style not moved yet; of one size, where rounding leaves sizes as they
+    are.
+    """
+    members = shape.members[[row not in moved for row in shape.members.tolist()]]
+    style, scale = seen.style[members], np.ones(len(members))
     if shape.symmetry.order == 0:
-        scale = np.round(seen.frames.scale[shape.members], SIZES)
+        scale = np.round(seen.frames.scale[members], SIZES)
     keys = np.stack([style, scale], axis=1)
     which = np.unique(keys, axis=0, return_inverse=True)[1].ravel()
-    for number in range(int(which.max()) + 1):
-        rows = shape.members[which == number]
+    for number in range(int(which.max(initial=-1)) + 1):
+        rows = members[which == number]
         if len(rows) >= LEAST:
             yield rows
 
 
 def _before(
-    lattice: Lattice, rows: Integers, points: list[Complexes], grain: float
-) -> dict[int, Complexes]:
-    """The points, y up, of each member of a lattice before they were rounded; nothing where no
-    plain numbers say them.
+    lattice: Lattice,
+    symmetry: Symmetry,
+    flip: float,
+    own: list[Complexes],
+    grain: float,
+    known: list[Complexes],
+    work: Work,
+) -> Before | None:
+    """The members of a lattice, their points in the order of `own`, before they were rounded, None
+    where no plain numbers say them; known: shapes of members, which are added to.
     """
-    made = fitted_formula(lattice)
-    own = [points[row] for row in rows.tolist()]
-    count = len(own[0])
+    if len(lattice) < LEAST or lattice.handedness.kind != "regular":
+        return None
+    made, count = fitted_formula(lattice), len(own[0])
     if made is None or not 0 < count <= MOST_POINTS or any(len(each) != count for each in own):
-        return {}
+        return None
     there = np.stack(own)
     order = _matched(lattice, there)
     if order is None:
-        return {}
-    given = Rounded(*made, np.take_along_axis(there, order, axis=1), grain)
-    found = before_rounding(given)
+        return None
+    given = Rounded(*made, np.take_along_axis(there, order, axis=1), grain, symmetry, flip, work)
+    found = before_rounding(given, known)
     if found is None:
-        return {}
-    back = np.empty_like(found)
-    np.put_along_axis(back, order, found, axis=1)
-    return dict(zip(rows.tolist(), back, strict=True))
+        return None
+    if not any(np.array_equal(found.shape, each) for each in known):
+        known.append(found.shape)
+    back = np.empty_like(found.points)
+    np.put_along_axis(back, order, found.points, axis=1)
+    return replace(found, points=back)
 
 
 def _matched(lattice: Lattice, there: Complexes) -> Integers | None:

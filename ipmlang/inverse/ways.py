@@ -163,7 +163,7 @@ def beside_blocks(goal: Goal, way: Way, blocks: Sequence[Block]) -> tuple[Book, 
     mixed = joined([kept, left])
     mixed = mixed[np.argsort(mixed.start, kind="stable")]
     instanced = _copied(replace(way.instanced, alphabet=alphabet, string=mixed))
-    book = _simplified(instanced, mixed, goal.options, Scattered())
+    book = _simplified(goal, instanced, mixed, Scattered())
     return book, Subject(goal.observed, instanced, goal.stem, goal.given.rounding)
 
 
@@ -228,7 +228,7 @@ def _printed(
     groups: Scattered | None = None,
 ) -> Found:
     """A string that a search left, simplified and printed."""
-    book = _simplified(instanced, string, goal.options, groups or Scattered())
+    book = _simplified(goal, instanced, string, groups or Scattered())
     instanced = replace(instanced, string=string)
     subject = Subject(goal.observed, instanced, goal.stem, goal.given.rounding)
     return Found(book, subject, write_grammar(book, subject), journal)
@@ -280,13 +280,11 @@ def _measure(instanced: Instanced, goal: Goal) -> Measure | None:
     return Measure(outlines, goal.observed.diagonal)
 
 
-def _simplified(
-    instanced: Instanced, string: Arrangement, options: Options, groups: Scattered
-) -> Book:
+def _simplified(goal: Goal, instanced: Instanced, string: Arrangement, groups: Scattered) -> Book:
     """The rules that the string needs, the poor ones written out."""
     book = make_book(instanced.alphabet, string)
-    book.scattered, book.shift = dict(groups.ranks), groups.shift
-    if options.paper:
+    book.scattered, book.shift = dict(groups.ranks), {**goal.observed.shift, **groups.shift}
+    if goal.options.paper:
         book.drop_unused()
     else:
         drop_poor_rules(book)

@@ -82,6 +82,28 @@ def test_grid_of_an_odd_size_is_told_by_its_steps(tmp_path: Path) -> None:
     assert found.report.tokens < 95, found.text
 
 
+def test_shapes_keep_the_symmetry_that_rounding_took(tmp_path: Path) -> None:
+    """Stars of eight units at two decimals: no corner is where a turn brings another one."""
+    middles = [around(150, i / 12) for i in range(12)]
+    reach = [(9.0 if k % 2 else 21.0, k / 10 - 0.25) for k in range(10)]
+    stars = [
+        [(x + r * cos(2 * pi * t), y + r * sin(2 * pi * t)) for r, t in reach] for x, y in middles
+    ]
+    found = found_again(page(tmp_path / "stars.svg", (polygon(each, 2) for each in stars)), 2)
+    assert found.parts.count(b"<path") == 1 and found.report.tokens < 70, found.text
+
+
+def test_what_was_rounded_the_other_way_is_moved(tmp_path: Path) -> None:
+    """Of a step of 8.0625 every fourth place is the middle of two decimals."""
+    places = [f"{10 + 8.0625 * i:.2f}" for i in range(40)]
+    assert places[30] == "251.88"
+    places[30] = "251.87"
+    shapes = [f'<circle cx="{x}" cy="60" r="3"/>' for x in places]
+    found = found_again(page(tmp_path / "row.svg", shapes), 2)
+    (table,) = (each for each in found.grammar.items if isinstance(each, ast.Table))
+    assert table.columns == ("of", "x", "y") and len(table.rows) == 1, found.text
+
+
 def test_what_stands_anywhere_stays_there(tmp_path: Path) -> None:
     places = np.random.default_rng(3).uniform(10, 390, (60, 2)).tolist()
     path = page(tmp_path / "any.svg", (circle(x, y, 2) for x, y in places))

@@ -23,6 +23,7 @@ from ipmlang.inverse.lsystem.frames import Complexes, Floats, Frames, frames, mi
 
 LatticeKind: TypeAlias = Literal["row", "ring", "spiral", "grid", "nest"]
 Place: TypeAlias = Model | Net | Rings
+TURNED = 1e-3  # radians, and share of its size, that what is exact may be off
 WIDEST = 3.0  # degrees that an angle may be off with noise
 TALLEST = 0.05  # share that a scale may be off with noise
 FEW = 5  # members below which every column must follow a rule
@@ -36,7 +37,8 @@ TIDY: tuple[OrderKind, ...] = ("row-major", "column-major", "boustrophedon", "co
 class Instances:
     """All instances of one symbol. placed: (n,) world frames; stabiliser: frames that keep the
     symbol, `free`: so does any turn; radius: its extent at scale 1; anchor: the local point that
-    all of these keep; order: (n,) paint ranks; exact: units; loose: share of the step.
+    all of these keep; order: (n,) paint ranks; exact: units; loose: share of the step; turned:
+    radians, and share of the size, that exact ones may be off however small they are.
     """
 
     placed: Frames
@@ -47,6 +49,7 @@ class Instances:
     order: Integers
     exact: float
     loose: float
+    turned: float = TURNED
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -291,7 +294,7 @@ def _columns(
     placed = known.placed[rows]
     size = np.maximum(known.radius * placed.scale, known.exact)
     noise = np.maximum(known.exact, known.loose * step) / size
-    sure = np.minimum(known.exact / size, 1e-3)
+    sure = np.minimum(known.exact / size, known.turned)
     slack = Slack(
         (np.rad2deg(sure), np.minimum(np.rad2deg(noise), WIDEST)),
         (sure * placed.scale, np.minimum(noise, TALLEST) * placed.scale),

@@ -12,7 +12,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ipmlang.inverse.lattices.build import Instances, Lattice, of_chain, of_net, of_rings
+from ipmlang.inverse.lattices.build import (
+    TURNED,
+    Instances,
+    Lattice,
+    of_chain,
+    of_net,
+    of_rings,
+)
 from ipmlang.inverse.lattices.chains import Chain
 from ipmlang.inverse.lattices.cloud import Cloud, Integers, cloud
 from ipmlang.inverse.lattices.grids import find_nets
@@ -39,18 +46,19 @@ def find_lattices(
     exact: float,
     loose: float,
     order: Integers,
+    turned: float = TURNED,
 ) -> list[Lattice]:
     """Lattices among instances of one symbol, best first.
 
     placed: (n,) world frames; stabiliser: (k,) frames that map the symbol onto itself, identity
     first; free: any turn does too; radius: extent of the symbol at scale 1; exact: units within
     which something is exact; loose: share of the local step that members may be off; order: (n,)
-    paint ranks.
+    paint ranks; turned: radians, and share of its size, that an exact one may be off.
     """
     if len(placed) < LEAST:
         return []
     anchor = 0j if free else complex(stabiliser.position.mean())
-    known = Instances(placed, stabiliser, free, radius, anchor, order, exact, loose)
+    known = Instances(placed, stabiliser, free, radius, anchor, order, exact, loose, turned)
     spots = placed.position + placed.factor * mirrored(anchor, placed.handedness)
     layers, stacks = _layers(known, spots)
     found = [each for layer in layers for each in _in_layer(known, spots, layer)]

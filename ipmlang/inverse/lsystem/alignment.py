@@ -153,7 +153,7 @@ def _proven_turns(
 ) -> tuple[list[float], list[float]]:
     """Angles in degrees of the rotations and of the mirrored frames that keep every point."""
     turns: tuple[list[float], list[float]] = ([], [])
-    for variant, shift in np.argwhere(likely).tolist():
+    for variant, shift in np.argwhere(likely & (fits != 0)).tolist():
         turn = fits[variant, shift] / np.abs(fits[variant, shift])
         matched = np.roll(variants[variant], -shift * step)
         if np.abs(turn * matched - model).max() <= tolerance:
