@@ -200,3 +200,19 @@ start Street
     assert "House(Brick, 3)" in made.text
     assert boxes(grown(made), "Bricks") == boxes(grown(street), "Bricks")
     assert [box[3] - box[0] for box in boxes(grown(made), "Tiles")] == [7.5, 5]
+
+
+def test_random_parts_keep_the_assets_that_only_they_draw(tmp_path: Path) -> None:
+    """Every door is one of both now, so nothing else asks for the asset of a door."""
+    for name in ("door", "pane"):
+        text = f"o {name}\nv 0 0 0\nv 1 0 0\nv 1 0 2\nf 1 2 3\n"
+        (tmp_path / f"{name}.obj").write_text(text, encoding="utf-8")
+    text = (
+        'ipm 1\nasset door in "door.obj"\nasset pane in "pane.obj"\n'
+        "House --> size(4, 4, 3) cube Wall\n"
+        "Front --> House [translate(1, 0, 0) door] [translate(3, 0, 0) pane]\nstart Front\n"
+    )
+    made = pasting.mixed(edit.read_text(text, folder=tmp_path), ["door", "pane"])
+    assert len(grown(made).owner) == 3
+    drawn = {tuple(sorted(grown(made, seed=seed).drawn_assets)) for seed in range(8)}
+    assert len(drawn) > 1

@@ -20,7 +20,6 @@ from ipmlang.edit.buildings.forms import EXTENTS, Forms
 from ipmlang.edit.buildings.growing import grown
 from ipmlang.edit.buildings.measuring import Unit
 from ipmlang.edit.buildings.rewriting import Placed, rewritten
-from ipmlang.edit.buildings.rows import Room, laid_out
 from ipmlang.edit.buildings.tree import unknown
 from ipmlang.edit.buildings.units import selected, tolerance
 from ipmlang.edit.draft import Change, Draft
@@ -167,9 +166,7 @@ def join(draft: Draft, select: str, numbers: Sequence[int], *, name: str | None 
     ]
     bare = select.rpartition(".")[2]
     title = forms.new_name(name or f"{bare[0].upper()}{bare[1:]}_group")
-    body, tables = laid_out(parts, Room(tolerance(forms.tree)), forms.new_name, title)
-    forms.tables += tables
-    forms.rules[title] = (select, body)
+    forms.rules[title] = (select, forms.laid(title, parts, tolerance(forms.tree)))
     at: dict[Unit, Sequence[Placed]] = dict.fromkeys(units[1:], ())
     at[units[0]] = [Placed(base, (ast.Module(title),))]
     return rewritten(forms, at, what=title)

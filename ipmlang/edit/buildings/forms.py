@@ -249,12 +249,11 @@ class Forms:
             self.rules[name] = (symbol, tuple(inner))
         return self._fitted[key]
 
-    def laid(self, row: int, parts: Sequence[Part], near: float) -> Elements:
-        """The body of a shape that draws parts at their frames; near: what numbers may be off.
+    def laid(self, symbol: str, parts: Sequence[Part], near: float) -> Elements:
+        """The body of a symbol that draws parts at their frames; near: what numbers may be off.
         Tables that it needs stand among the others.
         """
-        own = self.tree.names[row]
-        body, tables = laid_out(parts, Room(near), self.new_name, own, self.tables)
+        body, tables = laid_out(parts, Room(near), self.new_name, symbol, self.tables)
         self.tables += tables
         return body
 

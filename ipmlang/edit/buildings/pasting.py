@@ -228,9 +228,8 @@ def mixed(draft: Draft, among: Sequence[str], *, name: str | None = None) -> Dra
             frame = compose(forms.measured.frame(target), moved_to(low))
             size = tuple(ast.Argument(literal(float(each))) for each in high - low)
             at[target] = [Placed(frame, (ast.Module("size", size), ast.Module(title)))]
-    made = rewritten(forms, at, what=title)
-    items = list(made.grammar.items)
-    place = max(k for k, item in enumerate(items) if isinstance(item, ast.Rule)) + 1
-    return replace(
-        made, grammar=replace(made.grammar, items=(*items[:place], *rules, *items[place:]))
-    )
+    items = draft.grammar.items
+    place = max((k for k, each in enumerate(items) if isinstance(each, ast.Rule)), default=-1) + 1
+    grammar = replace(draft.grammar, items=(*items[:place], *rules, *items[place:]))
+    forms.tree = replace(forms.tree, draft=replace(draft, grammar=grammar))
+    return rewritten(forms, at, what=title)

@@ -145,7 +145,7 @@ class Rewriting:
         placed += self.more.get(row, ())
         inside = compose(inverse(frame), join([each.frame for each in placed]))
         parts = [(inside[k : k + 1], each.elements) for k, each in enumerate(placed)]
-        return self.forms.laid(row, parts, self.near)
+        return self.forms.laid(self.forms.tree.names[row], parts, self.near)
 
     def _unmoved(self, row: int, frame: Frames, placed: Sequence[Placed]) -> Drawn | None:
         """What the parts of a shape are drawn by and were, where all stand in it as they did."""

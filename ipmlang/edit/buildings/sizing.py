@@ -215,7 +215,7 @@ class Sizing:
             frame = Frames(place[None], own.rotation, own.hand, own.scale)
             axes = self.forms.measured.frame(each.unit) if each.square else base
             parts.append(self.placed(each.unit, row, grown / own.scale[0], frame, axes))
-        return self.forms.laid(row, parts, self.near), (origin - low) * ratio
+        return self.forms.laid(self.forms.tree.names[row], parts, self.near), (origin - low) * ratio
 
 
 def _flip(signs: Floats, size: Floats, origin: Floats) -> Frames:
