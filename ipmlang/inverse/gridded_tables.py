@@ -136,24 +136,38 @@ def gridded_loop(
     more: tuple[ast.Argument, ...],
     rest: tuple[ast.Element, ...],
 ) -> ast.Element:
-    """`[at(x, y) repeat(k < n) with r in T { [at(…) …] }]`; more: arguments of `at` beside x and y;
-    rest: what stands there.
+    """`[at(x, y) repeat(k < n) with r in T { [at(…) …] }]`, or lines of as many where the table has
+    nothing to say; more: arguments of `at` beside x and y; rest: what stands there.
     """
     formula, several = grid.formula, bool(grid.formula.across)
+    lines = several and not table.columns and not grid.skipped and not _repeats(rest)
+    lines = lines and formula.count % formula.across == 0
     variable = "k" if several else "i"
     count: ast.Expr = ast.Name(variable)
     if grid.skipped:
         count = ast.Binary("+", count, ast.Number(float(grid.skipped)))
-    (place,) = predicted(formula, *indices(formula, False, count if several else None))
+    (place,) = predicted(formula, *indices(formula, lines, count if several else None))
     assert isinstance(place, ast.Module)
     copy = ast.Bracket((replace(place, args=(*place.args, *more)), *rest))
-    limit = ast.Number(float(formula.count - grid.skipped))
     rows = ast.Rows(row, table.name) if table.columns else None
-    loop = ast.Repeat(ast.Count(variable, limit), (copy,), rows=rows)
+    if lines:
+        loop = _counted("j", formula.count // formula.across, _counted("i", formula.across, copy))
+    else:
+        loop = replace(_counted(variable, formula.count - grid.skipped, copy), rows=rows)
     if not grid.origin:
         return loop
     at = call("at", ast.Number(grid.origin.real), ast.Number(grid.origin.imag))
     return ast.Bracket((at, loop))
+
+
+def _counted(variable: str, count: int, copy: ast.Element) -> ast.Repeat:
+    return ast.Repeat(ast.Count(variable, ast.Number(float(count))), (copy,))
+
+
+def _repeats(body: Sequence[ast.Element]) -> bool:
+    """Whether there are loops in it, which have names of their own."""
+    inner = (each.body for each in body if isinstance(each, ast.Bracket))
+    return any(isinstance(each, ast.Repeat) for each in body) or any(map(_repeats, inner))
 
 
 # --------------------------------------------------------------------------- the grid

@@ -46,6 +46,23 @@ def test_what_is_no_grid_stays() -> None:
         assert grid_of(np.asarray(each), 1e-6) is None
 
 
+def test_a_grid_that_needs_no_table_is_lines_of_as_many(tmp_path: Path) -> None:
+    """Two grids of different shapes, too few for attributes: each is a loop in a loop."""
+    marks = ("M{} {}h4l-2 3z", "M{} {}h3v1h-2v2h-1z")
+    paths = "".join(
+        f'<path d="{mark.format(30 * i + 15 * half, 30 * j + 15 * half)}"/>'
+        for half, mark in enumerate(marks)
+        for j in range(5 - half)
+        for i in range(5 - half)
+    )
+    path = tmp_path / "marks.svg"
+    head = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 150 150">'
+    path.write_text(f"{head}{paths}</svg>", encoding="utf-8")
+    text = infer(path).text
+    assert "repeat(j < 5) { repeat(i < 5) {" in text and "repeat(j < 4) { repeat(i < 4) {" in text
+    assert "mod(" not in text
+
+
 def test_a_board_of_five_colors_is_a_grid_of_shapes(tmp_path: Path) -> None:
     random = np.random.default_rng(3)
     cells = "".join(
