@@ -33,6 +33,22 @@ def nodes(tree: object) -> Iterator[object]:
                     waiting.append(value)
 
 
+def outer_nodes(tree: object) -> Iterator[object]:
+    """Every node of a tree but those in the arguments of modules, where there are values alone."""
+    waiting = [tree]
+    while waiting:
+        one = waiting.pop()
+        kind = type(one)
+        if kind is tuple:
+            waiting += cast("tuple[object, ...]", one)
+            continue
+        names = INNER[kind]
+        if names is not None:
+            yield one
+            if kind is not ast.Module:
+                waiting += [getattr(one, name) for name in names]
+
+
 class _Inner(dict[type, "tuple[str, ...] | None"]):
     """The fields of the nodes of a kind that may hold others; None where these are no nodes, or
     comments.

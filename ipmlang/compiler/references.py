@@ -83,6 +83,7 @@ class References:
     allow_outside: bool
     seen: Seen
     _files: dict[tuple[str, tuple[str, ...]], Path | Problem] = field(default_factory=dict)
+    _stamps: dict[Path, tuple[str, int, int]] = field(default_factory=dict)
 
     def problems(self, item: ast.Item) -> Iterator[Problem]:
         """What is wrong with the files that an item names."""
@@ -177,8 +178,11 @@ class References:
     def _remembered(
         self, kept: dict[_Stamp, _Kept], path: Path, node: str, ask: Callable[[], _Kept]
     ) -> _Kept:
-        stat = path.stat()
-        stamp = (str(path.resolve()), node, stat.st_mtime_ns, stat.st_size)
+        if path not in self._stamps:
+            stat = path.stat()
+            self._stamps[path] = str(path.resolve()), stat.st_mtime_ns, stat.st_size
+        where, changed, size = self._stamps[path]
+        stamp = (where, node, changed, size)
         if stamp not in kept:
             if len(kept) >= self.seen.limit:
                 kept.clear()

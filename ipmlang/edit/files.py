@@ -14,7 +14,7 @@ from pathlib import Path, PurePosixPath
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.load import SUFFIX, read_source
-from ipmlang.compiler.nodes import nodes
+from ipmlang.compiler.nodes import outer_nodes
 from ipmlang.compiler.ops import OPERATIONS
 from ipmlang.compiler.parse import parse
 from ipmlang.edit.places import Found, places, with_changes
@@ -60,8 +60,8 @@ def _names_file(item: ast.Item) -> bool:
         if len(known) >= MOST_ITEMS:
             known.clear()
         naming = _naming()
-        uses = (node for node in nodes(item) if isinstance(node, ast.Module | ast.Block))
-        found = known[id(item)] = item, any(node.name in naming for node in uses)
+        uses = (each for each in outer_nodes(item) if isinstance(each, ast.Module | ast.Block))
+        found = known[id(item)] = item, any(each.name in naming for each in uses)
     return found[1]
 
 

@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import TypeAlias, assert_never, cast
 
 from ipmlang.compiler import ast
-from ipmlang.compiler.nodes import INNER, nodes
+from ipmlang.compiler.nodes import INNER, nodes, outer_nodes
 from ipmlang.compiler.ops import FUNCTIONS, OPERATIONS
 from ipmlang.compiler.passing import leaves, passing, symbols_taken
 from ipmlang.compiler.places import SHAPE
@@ -281,7 +281,8 @@ def taken_names(grammar: ast.Grammar, asked: Asked | None = None) -> set[str]:
     for item in grammar.items:
         found |= asked.names(item)
         found.update(defined_names(item))
-    for node in nodes(tuple(each for each in grammar.items if not isinstance(each, ast.Table))):
+    plain = tuple(each for each in grammar.items if not isinstance(each, ast.Table))
+    for node in outer_nodes(plain):
         match node:
             case ast.Parameter(name=name) | ast.Count(variable=name) | ast.Rows(variable=name):
                 found.add(name)

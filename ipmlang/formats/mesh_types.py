@@ -213,10 +213,18 @@ def moved(mesh: Mesh, matrix: Floats) -> Mesh:
     vertices = mesh.vertices + 0.0 if stays else mapped(mesh.vertices, matrix)  # no -0 either way
     normals = mesh.normals
     if normals is not None:
-        normals = normals + 0.0 if stays else normals @ np.linalg.pinv(linear)
+        normals = normals + 0.0 if stays else normals @ _inverse(linear)
         normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     result = replace(mesh, vertices=vertices, normals=normals)
     return reversed_faces(result) if not stays and np.linalg.det(linear) < 0 else result
+
+
+def _inverse(linear: Floats) -> Floats:
+    """The inverse (3, 3) of a map of directions, or what is nearest to one."""
+    own = linear.diagonal()
+    if np.count_nonzero(linear) == 3 and (own > 0).all():  # it stretches along the axes
+        return np.diag(1.0 / own)
+    return np.asarray(np.linalg.pinv(linear))
 
 
 def reversed_faces(mesh: Mesh) -> Mesh:

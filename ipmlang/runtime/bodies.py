@@ -22,7 +22,7 @@ from ipmlang.runtime.fields import FRAME, IDENTITY, LAG, UNSET
 from ipmlang.runtime.fields import SCOPE as SCOPE_FIELDS
 from ipmlang.runtime.grouping import FIELD
 from ipmlang.runtime.motion import Motion, State
-from ipmlang.runtime.naming import OWN, Scope, Setting
+from ipmlang.runtime.naming import OWN, Scope, Setting, is_named_length
 from ipmlang.runtime.primitives import UnscannableError
 from ipmlang.runtime.queries import questions
 from ipmlang.runtime.queries.marks import FIELD as MARK
@@ -456,7 +456,9 @@ class Writer:
         )
 
     def taken(self, value: Operand, owner: str) -> Operand:
-        return value if isinstance(value, float) else self.source.let(f"take({value}, {owner})")
+        if isinstance(value, float) or is_named_length(value):  # one number for all
+            return value
+        return self.source.let(f"take({value}, {owner})")
 
     def known(self, names: Iterable[str]) -> None:
         """A walk that makes nothing cannot tell what an operation has made of the geometry."""

@@ -17,7 +17,7 @@ from ipmlang.runtime.choose import OVER, no_truth, out_of_range, over
 from ipmlang.runtime.code import compile_values, source
 from ipmlang.runtime.content import KEPT, Content, Numbered
 from ipmlang.runtime.motion import State, mirrors
-from ipmlang.runtime.naming import OWN, Scope, Setting
+from ipmlang.runtime.naming import OWN, Scope, Setting, length_name
 from ipmlang.runtime.primitives import UnscannableError, bound, compiled, function, names_for
 from ipmlang.runtime.queries.marks import FIELD as MARK
 from ipmlang.runtime.runs import with_runs
@@ -270,5 +270,5 @@ def _module(symbol: ir.Symbol, params: tuple[float, ...]) -> str:
 
 def _scope(parameters: int, lengths: int = 0) -> Scope:
     names = (f"p{number}" for number in range(parameters))
-    own = (f"length{number}" for number in range(lengths))
+    own = map(length_name, range(lengths))
     return Scope("n", "k0", "k1", (*names, *own), {})

@@ -18,7 +18,7 @@ from types import CodeType
 from typing import TypeAlias, TypeGuard
 
 from ipmlang.compiler import ir
-from ipmlang.runtime.naming import Setting
+from ipmlang.runtime.naming import Setting, length_name
 from ipmlang.runtime.runs import Run, Runs, Standing, runs_name
 
 Content: TypeAlias = tuple[Hashable, ...]
@@ -65,7 +65,7 @@ class Numbered:
                 name: tables[number] if number >= 0 else runs[number].columns
                 for number, name in self._tables.items()
             },
-            **{f"length{place}": value for place, value in enumerate(self.lengths)},
+            **{length_name(place): value for place, value in enumerate(self.lengths)},
         }
 
     def content(self, code: Sequence[ir.Instruction], apart: bool = False) -> Content:

@@ -12,6 +12,7 @@ from ipmlang.compiler import ir
 from ipmlang.runtime.algebra import Operand
 from ipmlang.runtime.code import Data
 
+_LENGTH = "length"
 OWN = -1  # the site of what is drawn under the shape's own key
 
 
@@ -58,3 +59,13 @@ class Setting:
     fields: tuple[str, ...]
     attrs: tuple[float, ...]
     data: Data
+
+
+def length_name(place: int) -> str:
+    """What source calls one of the numbers of a body that have names."""
+    return f"{_LENGTH}{place}"
+
+
+def is_named_length(operand: Operand) -> bool:
+    """Whether an operand is such a number: the same for all shapes."""
+    return isinstance(operand, str) and operand.startswith(_LENGTH)

@@ -19,7 +19,7 @@ from ipmlang.compiler import ir
 from ipmlang.runtime import keys
 from ipmlang.runtime.code import Column, Tables
 from ipmlang.runtime.keys import Words
-from ipmlang.runtime.naming import Scope
+from ipmlang.runtime.naming import Scope, is_named_length
 from ipmlang.runtime.order import Copies, Drawn, Made, Slot
 from ipmlang.runtime.pending import Shapes, taken
 from ipmlang.runtime.symbol_rows import NO_SIZE, RULED, asset_of
@@ -226,7 +226,7 @@ def written(writer: Writer, each: Runs, scope: Scope, state: State) -> None:
         {
             register: value
             for register, value in scope.registers.items()
-            if isinstance(value, float) or str(value).startswith("length")
+            if isinstance(value, float) or is_named_length(value)
         },
         ((each.const, place),),
         None,

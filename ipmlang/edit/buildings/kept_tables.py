@@ -42,7 +42,7 @@ def with_kept_tables(before: ast.Grammar, after: ast.Grammar, asked: Asked) -> a
     tables.sort(key=lambda own: places.index(own.name) if own.name in old else len(places))
     ordered = iter(tables)
     items = [next(ordered) if isinstance(item, ast.Table) else item for item in after.items]
-    return replace(after, items=_reading(tuple(items), names))
+    return replace(after, items=tuple(_reading(item, names, asked) for item in items))
 
 
 def _free(wish: str, own: str, taken: set[str]) -> str:
@@ -53,12 +53,14 @@ def _free(wish: str, own: str, taken: set[str]) -> str:
     return name
 
 
-def _reading(items: tuple[ast.Item, ...], names: Mapping[str, str]) -> tuple[ast.Item, ...]:
-    """Items that read tables by their new names."""
+def _reading(item: ast.Item, names: Mapping[str, str], asked: Asked) -> ast.Item:
+    """An item that reads tables by their new names."""
+    if isinstance(item, ast.Table) or names.keys().isdisjoint(asked.every(item)):
+        return item
 
     def change(node: object) -> object:
         if isinstance(node, ast.Rows) and node.table in names:
             return replace(node, table=names[node.table])
         return node
 
-    return mapped(items, change) if names else items
+    return mapped(item, change)

@@ -51,6 +51,7 @@ class Measured:
     _maps: dict[int, tuple[Frames, Maps]] = field(default_factory=dict)
     _turned: dict[tuple[Unit, int], tuple[Floats, list[bool]]] = field(default_factory=dict)
     _points: dict[tuple[Unit, int], Floats] = field(default_factory=dict)
+    _axes: dict[tuple[Unit, int], Floats] = field(default_factory=dict)
 
     def name(self, unit: Unit) -> str:
         """The symbol of a shape, the label of a terminal."""
@@ -157,10 +158,15 @@ class Measured:
         return self._points[key]
 
     def axes(self, unit: Unit, base: Frames) -> Floats:
-        """(3k, 3) the axes of the terminals of a unit, as rows of length 1 in those of a frame."""
-        found = self.maps(base).into @ self.tree.maps["terminal"].out[self.rows(unit)]
-        rows = found.transpose(0, 2, 1).reshape(-1, 3)
-        return np.asarray(rows / np.linalg.norm(rows, axis=1, keepdims=True))
+        """(3k, 3) the axes of the terminals of a unit, as rows of length 1 in those of a frame;
+        nobody may write to them.
+        """
+        key = unit, id(base)
+        if key not in self._axes:
+            found = self.maps(base).into @ self.tree.maps["terminal"].out[self.rows(unit)]
+            rows = found.transpose(0, 2, 1).reshape(-1, 3)
+            self._axes[key] = np.asarray(rows / np.linalg.norm(rows, axis=1, keepdims=True))
+        return self._axes[key]
 
     def extent(self, unit: Unit) -> Floats:
         """(3,) how large a unit is along its own axes: its scope, or where that has no extent, what

@@ -62,6 +62,8 @@ def _fitted(scene: Scene, asset: int) -> NDArray[np.bool_]:
     """(m,) which terminals have an asset that fills their scope."""
     table = scene.instances
     own = [k for k, label in enumerate(scene.labels) if label == scene.assets[asset].name]
+    if len(own) == 1:
+        return np.asarray(table.label != own[0])
     return np.asarray(~np.isin(table.label, own))
 
 

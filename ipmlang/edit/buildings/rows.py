@@ -99,6 +99,8 @@ def laid_out(
 
 def _home(frames: Frames, room: Room) -> Floats | None:
     """(3,) where so many parts stand that all are sooner told from there."""
+    if len(frames.position) < FEWEST:
+        return None
     places = np.round(frames.position / room.near).astype(np.int64)
     found, first, count = np.unique(places, axis=0, return_index=True, return_counts=True)
     most = int(count.argmax())

@@ -107,17 +107,19 @@ class Sizing:
     def _numbers(self, size: Floats) -> Vector:
         return Room(self.near).precision.vector(size)
 
-    def _like(self, known: Sequence[Sized], size: Floats, content: Content) -> Sized | None:
-        """The symbol that draws a part, if there is one: as large, and with the same in it."""
-        return next(
-            (
-                each
-                for each in known
-                if np.abs(each.size - size).max() <= ALIKE * self.near
-                and each.content.is_like(content, self.near)
-            ),
-            None,
-        )
+    def _like(
+        self, known: Sequence[Sized], size: Floats, content: Content
+    ) -> tuple[Frames, str] | None:
+        """The symbol that draws a part, if there is one, and its frame: as large, and with the same
+        in it, turned or mirrored.
+        """
+        large = [each for each in known if np.abs(each.size - size).max() <= ALIKE * self.near]
+        for signs in FLIPS if large else ():
+            flipped = content.flipped(signs)
+            for each in large:
+                if each.content.is_like(flipped, self.near):
+                    return _flip(signs, size, each.origin), each.name
+        return None
 
     def _symbol(self, unit: Unit, size: Floats, base: Frames) -> tuple[Frames, str] | None:
         """The symbol for a part of a size, and its frame; None where it comes in too many sizes,
@@ -130,10 +132,9 @@ class Sizing:
         labels = tuple([forms.tree.terminals.labels[row] for row in forms.measured.rows(unit)])
         content = self._content(unit, base)
         known = self.known.setdefault((unit[0], symbol, labels), [])
-        for signs in FLIPS:
-            found = self._like(known, size, content.flipped(signs))
-            if found is not None:
-                return _flip(signs, size, found.origin), found.name
+        found = self._like(known, size, content)
+        if found is not None:
+            return found
         if sum(each.content.is_like(content, self.near) for each in known) >= MOST:
             return None
         name, origin = self._made(unit, size, base)

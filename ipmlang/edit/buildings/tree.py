@@ -268,7 +268,7 @@ class Tree:
 
     def _tighten(self, axes: Floats, low: Floats, high: Floats) -> None:
         """The boxes (m, 3) of assets that stand askew in axes, from what they draw."""
-        outs = axes @ self.maps["terminal"].out
+        outs = axes @ linear(self.terminals.frames)
         places = self.terminals.frames.position @ axes.T
         for row in self.askew(outs, slice(None)).tolist():
             found = self.outline(row) @ outs[row].T + places[row]
