@@ -241,7 +241,8 @@ def _written_out(found: Found, elements: int) -> list[Attempt]:
 
 def _folded(found: Found, elements: int) -> list[Attempt]:
     """The rules with parameters, where that is shorter."""
-    written = write_grammar(found.book, replace(found.subject, folded=True))
+    subject = replace(found.subject, folded=True)
+    written = write_grammar(found.book, subject, found.written.draft)
     if written.folded is not None and written.folded.passed:
         found.journal.note(
             f"rules with parameters were not looked for among {written.folded.passed:,} "

@@ -38,7 +38,7 @@ from ipmlang.inverse.naming import (
 )
 from ipmlang.inverse.numbers import number as literal
 from ipmlang.inverse.observation import Observation
-from ipmlang.inverse.panels import NO_PANELS, panels_of, with_panels
+from ipmlang.inverse.panels import NO_PANELS, Panels, panels_of, with_panels
 from ipmlang.inverse.reach import measure
 from ipmlang.inverse.rest import rest_table
 from ipmlang.inverse.schedules import with_schedules
@@ -64,12 +64,30 @@ class Parts(Protocol):
         """The text of it, without some assets."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Draft:
+    """What a book says before tables and rules with parameters are looked for in it: names that are
+    given, those of symbols, the effects by their ids, what stands on a grid, who printed it and the
+    attributes and boards that this made, the rules, the tables of their places, the paint order.
+    """
+
+    names: Names
+    named: dict[int, str]
+    effects: dict[str, tuple[str | None, Effect]]
+    panels: Panels
+    builder: Builder
+    rules: list[ast.Rule]
+    placed: list[ast.Table]
+    order: list[ast.Table]
+
+
 @dataclass(frozen=True, eq=False)
 class Written:
     """The tree, what prints the parts file, how many cells that file's tables have, and what these
     weigh, see `weight`; how many tokens tables of many things spare; folded: what rules with
     parameters changed; gridded: the tables that stand on grids, and how many cells these have;
-    assets: what the terminals show, y down, and uses: how many elements each draws.
+    assets: what the terminals show, y down, and uses: how many elements each draws; draft: what it
+    was made from.
     """
 
     grammar: ast.Grammar
@@ -81,6 +99,7 @@ class Written:
     gridded: tuple[frozenset[str], int] = (frozenset(), 0)
     assets: Callable[[], Mapping[str, DrawnElement]] = dict
     uses: Mapping[str, int] = field(default_factory=dict)
+    draft: Draft | None = None
 
     @property
     def tokens(self) -> int:
@@ -149,8 +168,8 @@ class Subject:
     folded: bool = False
 
 
-def write_grammar(book: Book, subject: Subject) -> Written:
-    """The grammar of a book of rules."""
+def drafted(book: Book, subject: Subject) -> Draft:
+    """What a book says as it is, whether rules are folded or not."""
     names = Names()
     axiom = names.give("Drawing")
     terminals = subject.instanced.terminals
@@ -165,13 +184,23 @@ def write_grammar(book: Book, subject: Subject) -> Written:
     builder = Builder(book, reach, named, effects, names, axiom, painted, subject.use_tables)
     rules, placed = join_tables(builder.rules(), builder.tables)
     order = rest_table(book, names, subject.share * subject.observed.diagonal)
+    return Draft(names, named, shown_effects, panels, builder, rules, placed, order)
+
+
+def write_grammar(book: Book, subject: Subject, known: Draft | None = None) -> Written:
+    """The grammar of a book of rules; known: its draft for the same subject, folded or not."""
+    draft = known or drafted(book, subject)
+    names, named, builder, order = draft.names.copy(), draft.named, draft.builder, draft.order
+    rules, placed, panels = draft.rules, draft.placed, draft.panels
+    terminals = subject.instanced.terminals
+    off = GRID * subject.observed.diagonal
     folded, grids = None, NO_GRIDS
     spared: dict[str, float] = {}
     if subject.folded:
         taken = {named[k] for k in (*range(len(terminals)), *panels.groups) if k in named}
         taken |= {each.name for each in (*placed, *order)}
         taken |= {each.name for each in builder.attributes}
-        folded = fold(rules, reach.error, taken)
+        folded = fold(rules, builder.reach.error, taken)
         rules = list(folded.rules)
     if subject.use_tables:
         given = [named[group] for group in panels.groups]
@@ -205,14 +234,15 @@ def write_grammar(book: Book, subject: Subject) -> Written:
         kept = {named[k]: (k, book.assets.get(k)) for k in assets if named[k] not in but}
         fine = 1.0 if subject.observed.decimals is None else ROUNDED
         diagonal = fine * subject.observed.diagonal
-        return terminals_file(subject.instanced, diagonal, kept, shown_effects, stored)
+        return terminals_file(subject.instanced, diagonal, kept, draft.effects, stored)
 
     often = np.bincount(subject.instanced.string.symbol, minlength=len(terminals))
     uses = {named[k]: int(often[k]) for k in assets}
     left = sum(tokens for name, tokens in spared.items() if name not in grids.names)
     on_boards = sum(each.stop - each.start for each in book.boards.values())
     gridded = frozenset({*grids.names, *(each.name for each in boards)}), grids.cells + on_boards
-    return Written(ast.Grammar(tuple(items)), parts, *cells, left, folded, gridded, shown, uses)
+    grammar = ast.Grammar(tuple(items))
+    return Written(grammar, parts, *cells, left, folded, gridded, shown, uses, draft)
 
 
 def _started(rules: list[ast.Rule]) -> tuple[list[ast.Rule], tuple[ast.Element, ...]]:

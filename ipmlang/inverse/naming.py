@@ -40,6 +40,12 @@ class Names:
     def __init__(self) -> None:
         self._given: Counter[str] = Counter()
 
+    def copy(self) -> Names:
+        """The same names as given, to go on from."""
+        made = Names()
+        made._given = self._given.copy()
+        return made
+
     def give(self, wish: str) -> str:
         """The wished name, with a number where it is taken.
 

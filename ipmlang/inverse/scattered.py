@@ -231,8 +231,10 @@ def _likely(
     hands = votes.move.handedness.astype(np.int64)
     best: list[tuple[int, int, Integers]] = []
     for alike in members(cluster(hands, values, slack), FEW):
-        tree = cKDTree(points[alike])
-        often = np.asarray(tree.query_ball_point(points[alike], room, return_length=True))
+        tree = cKDTree(points[alike], balanced_tree=False, compact_nodes=False)
+        # Most are near to none, so that pairs are few.
+        both = tree.query_pairs(room, output_type="ndarray")
+        often = np.bincount(both.ravel(), minlength=len(alike)) + 1
         for _ in range(TRIED):
             most = int(np.argmax(often))
             if often[most] < FEW:

@@ -342,14 +342,14 @@ def _rounded(
     gap = _gaps([formula], node, chosen, radius)[0]
     for rounding in (_round_moves, _round_polar, _round_changes, _round_inside, _round_lead):
         room = np.maximum(tolerance / 8, (1 + SHARE) * gap)
-        ways = [rounding(formula, digits) for digits in range(MOST_DIGITS)]
-        if ways[0] is formula:
+        if rounding(formula, 0) is formula:
             continue
-        for part in (ways[:FEW_DIGITS], ways[FEW_DIGITS:]):
-            off = _gaps(part, node, chosen, radius)
+        for digits in (range(FEW_DIGITS), range(FEW_DIGITS, MOST_DIGITS)):
+            ways = [rounding(formula, each) for each in digits]
+            off = _gaps(ways, node, chosen, radius)
             good = np.flatnonzero((off <= room).all(axis=1))
             if len(good):
-                formula, gap = part[good[0]], off[good[0]]
+                formula, gap = ways[good[0]], off[good[0]]
                 break
     return formula
 

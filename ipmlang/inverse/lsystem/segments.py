@@ -29,8 +29,12 @@ def fewest_segments(curves: Curves, fixed: Booleans, limit: Floats, empty: float
     """
     single = (curves.subpaths == 1) & (curves.counts > 0)
     made = _without_empty(_straightened(curves, single, limit), single, empty)
+    # What did not fit before does not fit until one of the two has changed.
+    fresh = np.ones(len(made.kind), np.bool_)
     while True:
         first, second = _neighbours(made, single & (made.counts > 1), fixed)
+        told = fresh[first] | fresh[second]
+        first, second = first[told], second[told]
         joined, fits = _joined(made, first, second, limit)
         chosen = np.flatnonzero(fits)[_disjoint(first[fits], second[fits])]
         if not len(chosen):
@@ -38,8 +42,11 @@ def fewest_segments(curves: Curves, fixed: Booleans, limit: Floats, empty: float
         kind, points = made.kind.copy(), made.points.copy()
         points[first[chosen]] = joined[chosen]
         kind[first[chosen][kind[first[chosen]] == QUADRATIC]] = CUBIC
+        fresh[:] = False
+        fresh[first[fits]] = True
         keep = np.ones(len(kind), np.bool_)
         keep[second[chosen]] = False
+        fresh = fresh[keep]
         made = _kept(replace(made, kind=kind, points=points), keep)
 
 
