@@ -137,3 +137,25 @@ def test_rules_above_what_changed_alike_stay(tmp_path: Path) -> None:
     for line in ("Row     --> split x { { ~6: House }* }", "start Row on box(6 * houses, 8, 9)"):
         assert line in draft.text
         assert line in made.text
+
+
+PORTICO = """ipm 1
+Portico --> [size(9, 9, 1) cube Floor] Side [translate(0, 8, 0) Side] [translate(0, 0, 7) size(9, 9, 1) cube Beam]
+Side    --> repeat(i < 3) { [translate(4 * i, 0, 1) Column] }
+Column  -->
+    [size(1, 1, 0.3) cube Base] [translate(0.2, 0.2, 0.3) size(0.6, 0.6, 5.3) cube Shaft]
+    [translate(0, 0, 5.6) size(1, 1, 0.4) cube Capital]
+start Portico
+"""  # noqa: E501
+
+
+@pytest.mark.parametrize("axis", ["x", "z"])
+def test_parts_of_what_is_resized_keep_their_shares_of_it(axis: str) -> None:
+    draft, k = edit.read_text(PORTICO), "xyz".index(axis)
+    made = resize(draft, "Side", Wanted(**{axis: 1.79}, factors=True), parameters=False)
+    before, after = grown(draft), grown(made)
+    rows = [n for n, name in enumerate(before.terminals.labels) if name not in ("Floor", "Beam")]
+    old, new = (
+        (high - low)[rows, k] for low, high in (each.boxes(np.eye(3)) for each in (before, after))
+    )
+    assert new / old == pytest.approx(np.full(len(rows), 1.79), rel=1e-6)

@@ -69,6 +69,14 @@ class Marking:
             apart += more
         return unknown, apart
 
+    def is_beside(self, face: int, other: int) -> bool:
+        """Whether a box between two unknowns begins or ends, with the second one, where a box does
+        that gets another size, and lies outside of that.
+        """
+        ends = [self.at[each] for each, _ in self.across.get(other, ())]
+        x = self.at[other]
+        return bool(ends) and all((end - x) * (self.at[face] - x) < 0 for end in ends)
+
     def between(self, kind: Kind, unknown: int, breaks: Breaks) -> None:
         """An unknown keeps its share between the faces beside it, unless it is outside."""
         x = self.at[unknown]
@@ -229,7 +237,7 @@ def _from(marking: Marking, box: int) -> None:
             continue
         first, last = marking.faces[other]
         across = last if face == first else first
-        if across in marking.across and known[across]:
+        if known[across] and marking.is_beside(face, across):
             marking.offset("size", face, across)
             bisect.insort(ordered, (at[face], face))
         else:
