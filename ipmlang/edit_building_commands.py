@@ -58,8 +58,9 @@ def resize_part(
 
     One number of the grammar is changed where that is enough. Else the rest is
     moved and stretched along: parts beyond 1.8 times their size become rows,
-    neighbours below 0.4 times are joined. Without --number all parts change
-    that are as large as the first.
+    neighbours below 0.4 times are joined; a whole model beyond 1.8 times
+    stands there several times. Without --number all parts change that are as
+    large as the first.
 
     \b
     Examples:
