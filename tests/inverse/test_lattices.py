@@ -194,6 +194,14 @@ def test_group_whose_origin_is_not_its_middle() -> None:
     assert np.allclose(best.frames(best.index).position, best.chosen.position)
 
 
+@pytest.mark.parametrize(("jitter", "turn"), [(0.0, 12.0), (0.03, 80.0)])
+def test_row_of_copies_that_turn_about_no_middle(jitter: float, turn: float) -> None:
+    row = frames(noisy((8 + 3j) * np.arange(14), jitter), turn * np.arange(14))
+    best = find(compose(row, frames(np.array([-0.7 + 1j]))))[0]
+    assert (best.kind, len(best), best.exact) == ("row", 14, jitter == 0)
+    assert abs(best.anchor - (0.7 - 1j)) <= 10 * jitter + EXACT
+
+
 def test_one_stray_becomes_a_hole() -> None:
     angle = np.zeros(9)
     angle[4] = 33.0

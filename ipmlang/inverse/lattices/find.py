@@ -10,8 +10,11 @@ member with least squares, and all work is bounded.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
+from ipmlang.inverse.lattices.anchors import turned_about
 from ipmlang.inverse.lattices.build import (
     TURNED,
     Instances,
@@ -29,7 +32,7 @@ from ipmlang.inverse.lattices.rings import find_sunflowers, join_rings
 from ipmlang.inverse.lattices.seeds import find_bends, find_rows
 from ipmlang.inverse.lattices.sizes import find_sized
 from ipmlang.inverse.lsystem.clusters import cluster
-from ipmlang.inverse.lsystem.frames import Complexes, Frames, mirrored
+from ipmlang.inverse.lsystem.frames import Complexes, Frames, apply, mirrored
 
 LEAST = 3  # instances
 LAYERS = 4  # instances at one place that are looked at one after the other
@@ -59,11 +62,22 @@ def find_lattices(
         return []
     anchor = 0j if free else complex(stabiliser.position.mean())
     known = Instances(placed, stabiliser, free, radius, anchor, order, exact, loose, turned)
-    spots = placed.position + placed.factor * mirrored(anchor, placed.handedness)
+    found = _anchored(known)
+    if np.count_nonzero(stabiliser.handedness > 0) == 1 and not free:
+        point = turned_about(placed, order, radius, exact, loose)
+        if point is not None:  # on the axis of a symbol that is its own mirror image
+            anchor = complex(apply(stabiliser, point).mean())
+            found += _anchored(replace(known, anchor=anchor))
+    return _best(found)
+
+
+def _anchored(known: Instances) -> list[Lattice]:
+    """Lattices on which the anchor of each instance lies."""
+    placed = known.placed
+    spots = placed.position + placed.factor * mirrored(known.anchor, placed.handedness)
     layers, stacks = _layers(known, spots)
     found = [each for layer in layers for each in _in_layer(known, spots, layer)]
-    found += [each for stack in stacks for each in _in_stack(known, spots, stack)]
-    return _best(found)
+    return found + [each for stack in stacks for each in _in_stack(known, spots, stack)]
 
 
 def _layers(known: Instances, spots: Complexes) -> tuple[list[Integers], list[Integers]]:
