@@ -196,6 +196,7 @@ def write_grammar(book: Book, subject: Subject, known: Draft | None = None) -> W
     off = GRID * subject.observed.diagonal
     folded, grids = None, NO_GRIDS
     spared: dict[str, float] = {}
+    even: dict[str, int] = {}
     if subject.folded:
         taken = {named[k] for k in (*range(len(terminals)), *panels.groups) if k in named}
         taken |= {each.name for each in (*placed, *order)}
@@ -206,8 +207,9 @@ def write_grammar(book: Book, subject: Subject, known: Draft | None = None) -> W
         given = [named[group] for group in panels.groups]
         rules, shown_panels = with_panels(rules, panels, given, names, off)
         things = frozenset(named.values()) | {rule.head.name for rule in rules}
-        rules, listed, spared = with_schedules(rules, things, names)
-        grids = with_grids(rules, [*placed, *listed], off)
+        schedules = with_schedules(rules, things, names, off)
+        spared, even = schedules.spared, schedules.even
+        grids = with_grids(schedules.rules, [*placed, *schedules.tables], off)
         rules, placed = grids.rules, [*shown_panels, *grids.tables]
     boards = [each.table for each in builder.boards if each.table is not None]
     tables, stored, cells = stored_tables([*placed, *boards, *order], subject)
@@ -240,9 +242,11 @@ def write_grammar(book: Book, subject: Subject, known: Draft | None = None) -> W
     uses = {named[k]: int(often[k]) for k in assets}
     left = sum(tokens for name, tokens in spared.items() if name not in grids.names)
     on_boards = sum(each.stop - each.start for each in book.boards.values())
-    gridded = frozenset({*grids.names, *(each.name for each in boards)}), grids.cells + on_boards
+    gridded = frozenset({*grids.names, *even, *(each.name for each in boards)})
+    in_cells = grids.cells + on_boards + sum(even.values())
     grammar = ast.Grammar(tuple(items))
-    return Written(grammar, parts, *cells, left, folded, gridded, shown, uses, draft)
+    said = gridded, in_cells
+    return Written(grammar, parts, *cells, left, folded, said, shown, uses, draft)
 
 
 def _started(rules: list[ast.Rule]) -> tuple[list[ast.Rule], tuple[ast.Element, ...]]:

@@ -12,8 +12,12 @@ from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
+import numpy as np
+
 from ipmlang.compiler import ast
 from ipmlang.compiler.places import SHAPE
+from ipmlang.inverse.gridded_tables import Grid, grid_of, gridded_loop
+from ipmlang.inverse.lsystem.frames import Complexes
 from ipmlang.inverse.moves import call
 from ipmlang.inverse.naming import Names
 
@@ -21,6 +25,7 @@ ROW = "r"
 LABELS = ("x", "y", "angle", "scale")
 REST = (0.0, 0.0, 0.0, 1.0)
 HEAD = 18  # tokens of `table T(shape, x, y) =` and of `repeat(r in T) { [at(r.x, r.y) r.shape] }`
+LEAST_EVEN = 8  # unlike things in even steps that are worth a loop
 LEAST = 20  # tokens that a table saves
 MOST = 2 / 3  # of the tokens that the placements take: one reads a walk sooner than a table
 ALONE = 4  # tokens that a placement takes with a table before and behind, for it breaks them
@@ -72,24 +77,40 @@ def _signs(values: Sequence[float]) -> int:
     return sum(value < 0 for value in values)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Schedules:
+    """Rules and the tables that stand in them: about how many tokens each spares, and how many rows
+    those have that stand on grids.
+    """
+
+    rules: list[ast.Rule]
+    tables: list[ast.Table]
+    spared: dict[str, float]
+    even: dict[str, int]
+
+
 @dataclass(slots=True, eq=False)
 class _Listing:
-    """The tables that were made, and about how many tokens they spare."""
+    """The tables that were made, and about how many tokens they spare; even: how many rows those
+    have that stand on grids; error: units, what a place on one may be off.
+    """
 
     names: Names
+    error: float
     tables: list[ast.Table] = field(default_factory=list)
     spared: dict[str, float] = field(default_factory=dict)
+    even: dict[str, int] = field(default_factory=dict)
 
 
 def with_schedules(
-    rules: Sequence[ast.Rule], things: Set[str], names: Names
-) -> tuple[list[ast.Rule], list[ast.Table], dict[str, float]]:
-    """The rules, with tables of what stands in them, and about how many tokens each spares; things:
-    names of symbols, and no others.
+    rules: Sequence[ast.Rule], things: Set[str], names: Names, error: float
+) -> Schedules:
+    """The rules, with tables of what stands in them; things: names of symbols, and no others;
+    error: units, what a place on a grid may be off.
     """
-    listing = _Listing(names)
+    listing = _Listing(names, error)
     made = [replace(rule, body=tuple(_scheduled(rule.body, things, listing))) for rule in rules]
-    return made, listing.tables, listing.spared
+    return Schedules(made, listing.tables, listing.spared, listing.even)
 
 
 def _scheduled(
@@ -159,6 +180,49 @@ def _number(value: ast.Expr) -> float | None:
 
 def _written(run: Sequence[tuple[_Copy, ast.Element]], listing: _Listing) -> Iterator[ast.Element]:
     """The run, its tables in place of what they hold."""
+    begin = 0
+    for start, stop, grid in _even([copy for copy, _ in run], listing.error):
+        yield from _listed(run[begin:start], listing)
+        yield _on_grid([copy for copy, _ in run[start:stop]], grid, listing)
+        begin = stop
+    yield from _listed(run[begin:], listing)
+
+
+def _even(copies: Sequence[_Copy], error: float) -> Iterator[tuple[int, int, Grid]]:
+    """The stretches of unlike things in even steps, and from line to line in even steps."""
+    places = np.array([complex(*copy.at[:2]) for copy in copies])
+    steps, room = np.diff(places), 4 * error
+    begin = 0
+    while begin + LEAST_EVEN <= len(copies):
+        on = np.abs(steps[begin:] - steps[begin]) <= room
+        count = len(on) + 1 if on.all() else int(np.argmin(on)) + 1
+        stop = begin + count
+        while count > 2 and on[stop - begin : stop - begin + count - 1].sum() == count - 1:
+            stop += count
+        grid = _grid(copies[begin:stop], places[begin:stop], error)
+        if grid is not None:
+            yield begin, stop, grid
+        begin = stop if grid is not None else begin + max(1, count - 1)
+
+
+def _grid(copies: Sequence[_Copy], places: Complexes, error: float) -> Grid | None:
+    """The grid of upright things that differ, if it is one."""
+    plain = all(copy.at[2:] == REST[2:] and not copy.mirrored for copy in copies)
+    unlike = len({copy.thing.name for copy in copies}) > 1
+    return grid_of(places, error) if plain and unlike and len(copies) >= LEAST_EVEN else None
+
+
+def _on_grid(copies: Sequence[_Copy], grid: Grid, listing: _Listing) -> ast.Element:
+    """The loop over the nodes of a grid, and the table of what stands on each."""
+    cells = tuple((ast.Name(copy.thing.name),) for copy in copies)
+    table = ast.Table(listing.names.give("Places"), None, (SHAPE,), cells)
+    listing.tables.append(table)
+    listing.even[table.name] = len(copies)
+    return gridded_loop(grid, table, ROW, (), (ast.Module(f"{ROW}.{SHAPE}"),))
+
+
+def _listed(run: Sequence[tuple[_Copy, ast.Element]], listing: _Listing) -> Iterator[ast.Element]:
+    """The run, tables of places in place of what they hold."""
     copies = [copy for copy, _ in run]
     for start, end, extra in _parts(copies):
         before = [None, *copies][start:end]

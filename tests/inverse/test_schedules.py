@@ -30,7 +30,8 @@ def scheduled(body: str) -> tuple[str, list[ast.Table]]:
     grammar, problems = parse(Source("<text>", f"R --> {body}"))
     assert not problems
     rules = [item for item in grammar.items if isinstance(item, ast.Rule)]
-    made, tables, _ = with_schedules(rules, THINGS, Names())
+    found = with_schedules(rules, THINGS, Names(), 1e-9)
+    made, tables = found.rules, found.tables
     words = format_grammar(ast.Grammar(tuple(made))).split()
     return " ".join(words[2:]), tables
 
@@ -74,3 +75,21 @@ def test_turned_mirrored_and_strange_ones_break_no_order() -> None:
     long = derive(compile_text(f"ipm 1\nR --> {plain}\n{rules}")[1]).instances
     for column in ("position", "rotation", "scale", "size"):
         np.testing.assert_allclose(getattr(short, column), getattr(long, column), atol=1e-12)
+
+
+def test_unlike_things_in_even_steps_are_a_loop_and_their_names() -> None:
+    """Along a line, and along lines; what stands before and behind them stays where it is."""
+    row = " ".join(f"[at({10 + 25 * k}, 14) {'ABC'[k * k % 3]}]" for k in range(12))
+    body, (table,) = scheduled(f"[at(3, 2) C] {row} [at(7, 7) B]")
+    loop = "[at(10, 14) repeat(i < 12) with r in Places { [at(25 * i, 0) r.shape] }]"
+    assert body == f"[at(3, 2) C] {loop} [at(7, 7) B]"
+    assert table.columns == ("shape",)
+    lines = " ".join(f"[at({5 * (k % 4)}, {-9 * (k // 4)}) {'ABC'[k * k % 3]}]" for k in range(12))
+    body, _ = scheduled(lines)
+    assert "[at(5 * mod(k, 4), -9 * floor(k / 4)) r.shape]" in body
+
+
+def test_few_things_and_turned_ones_are_walked() -> None:
+    few = " ".join(f"[at({10 + 25 * k}, 14) {'AB'[k % 2]}]" for k in range(7))
+    turned = " ".join(f"[at({10 + 25 * k}, 14, {k + 1}) {'AB'[k % 2]}]" for k in range(9))
+    assert "repeat(i" not in scheduled(few)[0] + scheduled(turned)[0]
