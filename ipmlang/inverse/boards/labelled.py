@@ -23,6 +23,7 @@ from ipmlang.inverse.simplify import AXIOM, Book
 
 MOST = 16  # terminals of a copy
 LEAST = 4  # copies that are worth a table
+UNLIKE = 3  # labels: two by turns are a rhythm, which rules say
 HEAD = 26  # tokens of the table's head, of the loop, and of a formula
 ALONE = 6  # tokens that a terminal takes which is placed by itself
 ROOM = 2e-7  # of the diagonal: what a place may be off
@@ -157,7 +158,7 @@ def _labelled(run: _Run, parts: Integers, places: Frames, room: float) -> Labell
     raster, x, y = placed
     listed = (x.rest is not None) + (y.rest is not None)
     said = HEAD + ALONE * run.period + x.tokens + y.tokens + run.copies * (1 + listed)
-    if said >= ALONE * (run.stop - run.start):
+    if said >= ALONE * (run.stop - run.start) or len(np.unique(own[:, run.label])) < UNLIKE:
         return None
     return Labelled(
         run.start,
