@@ -15,8 +15,10 @@ from ipmlang.compiler import ast
 Tree = TypeVar("Tree")
 
 
-def nodes(tree: object) -> Iterator[object]:
-    """Every node of a tree, comments apart, from the outside in."""
+def nodes(tree: object, closed: type | None = None) -> Iterator[object]:
+    """Every node of a tree, comments apart, from the outside in; closed: a kind of node into which
+    nobody needs to look.
+    """
     waiting = [tree]
     while waiting:
         one = waiting.pop()
@@ -25,28 +27,20 @@ def nodes(tree: object) -> Iterator[object]:
             waiting += cast("tuple[object, ...]", one)
             continue
         names = INNER[kind]
-        if names is not None:
-            yield one
-            for name in names:
-                value = getattr(one, name)
-                if value:  # neither None nor empty: a node is always true
-                    waiting.append(value)
+        if names is None:
+            continue
+        yield one
+        if kind is closed:
+            continue
+        for name in names:
+            value = getattr(one, name)
+            if value:  # neither None nor empty: a node is always true
+                waiting.append(value)
 
 
 def outer_nodes(tree: object) -> Iterator[object]:
     """Every node of a tree but those in the arguments of modules, where there are values alone."""
-    waiting = [tree]
-    while waiting:
-        one = waiting.pop()
-        kind = type(one)
-        if kind is tuple:
-            waiting += cast("tuple[object, ...]", one)
-            continue
-        names = INNER[kind]
-        if names is not None:
-            yield one
-            if kind is not ast.Module:
-                waiting += [getattr(one, name) for name in names]
+    return nodes(tree, ast.Module)
 
 
 class _Inner(dict[type, "tuple[str, ...] | None"]):
