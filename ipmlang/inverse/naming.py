@@ -98,7 +98,7 @@ def text_word(fragment: Fragment) -> str:
     >>> text_word(Fragment("text", "<text>E</text>", (1, 0, 0, 1, 0, 0)))
     'letter_e'
     """
-    said = unescape(MARKS.sub("", DEFINED.sub("", fragment.xml)))
+    said = unescape(MARKS.sub(" ", DEFINED.sub("", fragment.xml)))
     number = BETWEEN.sub("", said)
     if number.isdecimal() and len(number) <= DIGITS:
         return f"text{number}"
