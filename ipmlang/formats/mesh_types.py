@@ -214,9 +214,15 @@ def moved(mesh: Mesh, matrix: Floats) -> Mesh:
     normals = mesh.normals
     if normals is not None:
         normals = normals + 0.0 if stays else normals @ _inverse(linear)
-        normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+        normals = _unit(normals)
     result = replace(mesh, vertices=vertices, normals=normals)
     return reversed_faces(result) if not stays and np.linalg.det(linear) < 0 else result
+
+
+def _unit(directions: Floats) -> Floats:
+    """Directions (n, 3) of length 1."""
+    lengths = np.linalg.norm(directions, axis=1, keepdims=True)
+    return np.asarray(directions / np.maximum(lengths, 1e-300))
 
 
 def _inverse(linear: Floats) -> Floats:
@@ -294,10 +300,16 @@ def _joined(columns: list[Floats | None]) -> Floats | None:
 
 
 def stretched(mesh: Mesh, factors: Sequence[float]) -> Mesh:
-    """A mesh so many times as large along x, y and z, from its origin; as it is for ()."""
+    """A mesh so many times as large along x, y and z, from its origin, each above 0; as it is for
+    (). What `moved` makes of it, without products of matrices that hold so many zeros.
+    """
     if not factors:
         return mesh
-    return moved(mesh, np.concatenate([np.diag(factors), np.zeros((3, 1))], axis=1))
+    along = np.array(factors, np.float64)
+    normals = mesh.normals
+    if normals is not None:
+        normals = _unit(normals * (1.0 / along) + 0.0)
+    return replace(mesh, vertices=mesh.vertices * along + 0.0, normals=normals)
 
 
 def baked(scene: MeshScene) -> Mesh:

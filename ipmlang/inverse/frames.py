@@ -205,10 +205,11 @@ def compose(outer: Frames, inner: Frames) -> Frames:
     if len(outer) in (1, len(inner)) and _moves_only(outer):
         position = inner.position + outer.position + 0.0
         return Frames(position, canonical(inner.rotation), inner.hand, inner.scale)
+    only_moves = _moves_only(inner)
     outer, inner = _matched(outer, inner)
     return Frames(
         apply(outer, inner.position),
-        _turned(outer, inner),
+        canonical(outer.rotation) if only_moves else _turned(outer, inner),
         outer.hand * inner.hand,
         outer.scale * inner.scale,
     )

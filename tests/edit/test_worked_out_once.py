@@ -19,7 +19,8 @@ from ipmlang.edit.buildings.measuring import Measured, measured
 from ipmlang.edit.draft import Draft
 from ipmlang.edit.places import places, places_in
 from ipmlang.edit.symbols import Asked, needed_names, taken_names, used_names
-from ipmlang.inverse.frames import compose, corners, inverse, linear
+from ipmlang.formats.mesh_types import Mesh, moved, stretched
+from ipmlang.inverse.frames import Frames, about, compose, corners, inverse, linear, moved_to
 
 FILES = Path(__file__).parent / "buildings"
 NAMES = ("wall", "round", "court", "bricks", "floors")
@@ -122,3 +123,34 @@ def test_names_that_are_remembered_are_those_that_are_asked_for(folder: Path, na
     assert len(asked._known) == known
     assert needed_names(grammar, asked) == needed_names(grammar)
     assert taken_names(grammar, asked) == taken_names(grammar)
+
+
+def test_a_mesh_that_is_stretched_is_what_a_matrix_makes_of_it() -> None:
+    random = np.random.default_rng(7)
+    corners, normals = np.arange(60), random.normal(size=(60, 3))
+    none = np.full(20, -1)
+    mesh = Mesh(random.normal(size=(60, 3)), corners, 3 * np.arange(21), none, none, (), (),
+                None, normals)  # fmt: skip
+    mesh.vertices[:5] = -0.0
+    for factors in ((1.5, 0.3, 1.0052), (1.0, 1.0, 2.0), tuple(random.uniform(0.1, 9, 3))):
+        matrix = np.concatenate([np.diag(factors), np.zeros((3, 1))], axis=1)
+        own, slow = stretched(mesh, factors), moved(mesh, matrix)
+        assert own.vertices.tobytes() == slow.vertices.tobytes()
+        assert own.normals is not None and slow.normals is not None
+        assert own.normals.tobytes() == slow.normals.tobytes()
+
+
+@pytest.mark.parametrize("hand", [1.0, -1.0])
+def test_what_is_only_moved_is_placed_as_what_hardly_turns(hand: float) -> None:
+    rotation = about(np.array([0.6, 0.0, 0.8]), np.array([30.0, 180.0, 271.0]))
+    outer = Frames(np.arange(9.0).reshape(3, 3), rotation, np.full(3, hand), np.full(3, 1.5))
+    moves = Frames(*(each[np.zeros(3, int)] for each in _columns(moved_to(np.array([1.0, 2, 3])))))
+    hardly = about(np.array([0.0, 1.0, 0.0]), np.full(3, 1e-9))
+    turned = Frames(moves.position, hardly, moves.hand, moves.scale)
+    both = (_columns(compose(outer, each)) for each in (moves, turned))
+    for own, other in zip(*both, strict=True):
+        np.testing.assert_allclose(own, other, atol=1e-10)
+
+
+def _columns(frames: Frames) -> tuple[np.ndarray, ...]:
+    return frames.position, frames.rotation, frames.hand, frames.scale

@@ -157,15 +157,16 @@ class Lowering:
             left = arity - sum(each is not None for each in bound)
             told = tuple(None if each is None else each.name for each in bound)
             given = told if any(told) else ()
-            made = ir.Symbol(shown, left, held=held and not rules, given=given)
-            number = self._add(key, made)
+            meaning: tuple[ir.Instruction, ...] | None = None
+            registers = 0
             if asset is not None and place is not None:
-                self._give(
-                    number,
-                    (ir.Instruction("emit", const=self._pool.asset(place.unit, own, asset)),),
-                )
+                drawn = self._pool.asset(place.unit, own, asset)
+                meaning = (ir.Instruction("emit", const=drawn),)
             elif record is not None and steps is not None and not any(bound):
-                self._give(number, *self._meanings.of(record, arity, steps))
+                meaning, registers = self._meanings.of(record, arity, steps)
+            number = self._add(key, ir.Symbol(
+                shown, left, (), (), meaning, registers, held=held and not rules, given=given
+            ))  # fmt: skip
             if rules:
                 self._check_kinds(owner, own, arity, bound)
                 self._waiting.append((number, owner, own, arity, bound))
@@ -194,8 +195,7 @@ class Lowering:
         key: Key = (0, "}" if close else "{", -1 - list(OPERATIONS).index(name), ())
         if key not in self._numbers:
             half = steps[middle[0] + 1 :] if close else steps[: middle[0]]
-            number = self._add(key, ir.Symbol(key[1], 0))
-            self._give(number, *self._meanings.of(record, 0, half))
+            self._add(key, ir.Symbol(key[1], 0, (), (), *self._meanings.of(record, 0, half)))
         return self._numbers[key]
 
     def runs(self, unit: Unit, name: str) -> tuple[Named, ...]:
@@ -254,10 +254,6 @@ class Lowering:
         self._numbers[key] = len(self._symbols)
         self._symbols.append(symbol)
         return self._numbers[key]
-
-    def _give(self, number: int, meaning: tuple[ir.Instruction, ...], registers: int = 0) -> None:
-        symbol = self._symbols[number]
-        self._symbols[number] = replace(symbol, meaning=meaning, meaning_registers=registers)
 
     def _lower_rules(self, number: int, unit: Unit, name: str, arity: int, bound: Bound) -> None:
         spellings = _spellings(name, OPERATIONS.get(name))

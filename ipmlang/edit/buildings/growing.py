@@ -134,7 +134,11 @@ def tree_of(
             hint="edits of buildings take grammars of scopes: split, comp, translate, insert",
         )
     meshes = _meshes(scene, {} if like is None else _read_before(like))
-    return Tree(draft, program, scene, told[0], terminals_of(scene, meshes), meshes)
+    own = {scene.assets[number] for number in meshes}
+    known = {} if like is None else like.outlines
+    outlines = {asset: known[asset] for asset in own & known.keys()}
+    terminals = terminals_of(scene, meshes)
+    return Tree(draft, program, scene, told[0], terminals, meshes, outlines=outlines)
 
 
 def _read_before(tree: Tree) -> dict[AssetRef, Mesh]:

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ipmlang.inverse.frames import Floats, Frames, linear
 from ipmlang.runtime.scene import OUTLINES, SEGMENT, Scene
@@ -42,8 +41,13 @@ def terminals_of(scene: Scene, meshes: Mapping[int, Mesh]) -> Terminals:
         np.abs(table.scale),
     )
     low, high = np.zeros((len(table), 3)), np.array(table.size, np.float64)
+    numbers: dict[str, list[int]] = {}
+    for k, label in enumerate(scene.labels):
+        numbers.setdefault(label, []).append(k)
     for number, mesh in meshes.items():
-        rows = (table.asset == number) & ~_fitted(scene, number)
+        own = numbers.get(scene.assets[number].name, [])  # of other labels are those that fill
+        natural = table.label == own[0] if len(own) == 1 else np.isin(table.label, own)
+        rows = (table.asset == number) & natural
         low[rows], high[rows] = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     outline = np.isin(table.asset, OUTLINES)
     for shape in np.unique(table.shape[outline]).tolist():
@@ -56,15 +60,6 @@ def terminals_of(scene: Scene, meshes: Mapping[int, Mesh]) -> Terminals:
     high[table.asset == SEGMENT, 1:] = 0.0
     labels = tuple(scene.labels[k] for k in table.label.tolist())
     return Terminals(frames, low, high, labels)
-
-
-def _fitted(scene: Scene, asset: int) -> NDArray[np.bool_]:
-    """(m,) which terminals have an asset that fills their scope."""
-    table = scene.instances
-    own = [k for k, label in enumerate(scene.labels) if label == scene.assets[asset].name]
-    if len(own) == 1:
-        return np.asarray(table.label != own[0])
-    return np.asarray(~np.isin(table.label, own))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

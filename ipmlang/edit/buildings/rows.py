@@ -6,6 +6,7 @@ that they read. Numbers are as short as what touches allows. Nothing is derived 
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -101,13 +102,13 @@ def _home(frames: Frames, room: Room) -> Floats | None:
     """(3,) where so many parts stand that all are sooner told from there."""
     if len(frames.position) < FEWEST:
         return None
-    places = np.round(frames.position / room.near).astype(np.int64)
-    found, first, count = np.unique(places, axis=0, return_index=True, return_counts=True)
-    most = int(count.argmax())
-    still = int(count[~found.any(axis=1)].sum())
-    if count[most] < FEWEST or count[most] <= still + 1:
+    places = [tuple(row) for row in np.round(frames.position / room.near).tolist()]
+    count = Counter(places)
+    often = max(count.values())
+    if often < FEWEST or often <= count[0.0, 0.0, 0.0] + 1:
         return None
-    return np.asarray(frames.position[first[most]])
+    first = min(place for place, own in count.items() if own == often)
+    return np.asarray(frames.position[places.index(first)])
 
 
 def _alike_end(arranged: Arranged, begin: int) -> int:

@@ -135,7 +135,8 @@ class Sizing:
         found = self._like(known, size, content)
         if found is not None:
             return found
-        if sum(each.content.is_like(content, self.near) for each in known) >= MOST:
+        alike = (each.content.is_like(content, self.near) for each in known)
+        if len(known) >= MOST and sum(alike) >= MOST:
             return None
         name, origin = self._made(unit, size, base)
         known.append(Sized(size, content, name, origin))

@@ -8,7 +8,7 @@ changed or judged here.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -31,7 +31,7 @@ from ipmlang.inverse.frames import (
     linear,
 )
 from ipmlang.runtime.lineage import Lineage
-from ipmlang.runtime.scene import Scene
+from ipmlang.runtime.scene import AssetRef, Scene
 
 if TYPE_CHECKING:
     from ipmlang.formats.mesh_types import Mesh
@@ -47,7 +47,8 @@ PENS = frozenset({*TEXTS, *BOUND, "width", "layer"})
 @dataclass(frozen=True, eq=False)
 class Tree:
     """n shapes and m terminals. meshes: of the assets that are drawn, by their numbers; stamps: of
-    the files beside the grammar. What shapes are is worked out when it is first asked for.
+    the files beside the grammar; outlines: what `outline` found so far of meshes as they are. What
+    shapes are is worked out when it is first asked for.
     """
 
     draft: Draft
@@ -57,6 +58,7 @@ class Tree:
     terminals: Terminals
     meshes: Mapping[int, Mesh]
     stamps: tuple[tuple[str, int, int], ...] = ()
+    outlines: dict[AssetRef, Floats] = field(default_factory=dict)
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -287,18 +289,20 @@ class Tree:
         point of it lies outside of them.
         """
         number = int(self.scene.instances.asset[row])
-        if number not in self._outlines:
-            self._outlines[number] = outermost(self.meshes[number].vertices)
-        points = self._outlines[number]
+        asset = self.scene.assets[number]
+        if asset not in self.outlines:
+            self.outlines[asset] = outermost(self.meshes[number].vertices)
+        points = self.outlines[asset]
         if self.is_natural(row):
             return points
-        low, extent = points.min(axis=0), np.ptp(points, axis=0)
-        shares = (points - low) / np.where(extent > 0, extent, 1.0)
-        return np.asarray(shares * self.terminals.high[row])
+        if number not in self._shares:
+            low, extent = points.min(axis=0), np.ptp(points, axis=0)
+            self._shares[number] = (points - low) / np.where(extent > 0, extent, 1.0)
+        return np.asarray(self._shares[number] * self.terminals.high[row])
 
     @cached_property
-    def _outlines(self) -> dict[int, Floats]:
-        """What `outline` has been asked for, by asset."""
+    def _shares(self) -> dict[int, Floats]:
+        """The outlines of assets in the unit box, of those that `outline` was asked for so."""
         return {}
 
     @cached_property
