@@ -290,3 +290,34 @@ start Tower on box(4, 4, 14)
     low, high = after.boxes(np.eye(3))
     assert {"Slab", "Pane"} <= {label.split("_")[0] for label in after.terminals.labels}
     assert float(high.max(axis=0)[2] - low.min(axis=0)[2]) == pytest.approx(4.2)
+
+
+TERRACE = """ipm 1
+attr bays   : int = 6 in 1..
+attr floors : int = 4 in 1..
+
+House --> split x { { ~3: Bay }* }
+Bay   --> split y { { ~2.8: Floor }* }
+Floor --> box
+
+start House on box(3 * bays, 2.8 * floors, 9)
+"""
+
+
+@pytest.mark.parametrize(("x", "bays", "factor"), [(40.0, 13, 40 / 39), (10.0, 3, 10 / 9)])
+def test_a_size_between_two_counts_has_the_nearer_one_and_a_lot_that_fits(
+    x: float, bays: int, factor: float
+) -> None:
+    """A terrace of thirteen bays, a little wider each, not three terraces in a row."""
+    made = resize(edit.read_text(TERRACE), None, Wanted(x=x))
+    assert f"attr bays   : int = {bays} in" in made.text
+    said = re.search(r"box\(3 \* bays \* ([\d.]+),", made.text)
+    assert said is not None and float(said[1]) == pytest.approx(factor, rel=1e-6)
+    assert np.ptp(grown(made).boxes(np.eye(3))[1][:, 0]) == pytest.approx(x - x / bays)
+    back = resize(made, None, Wanted(x=18.0))
+    assert [each for each in back.text.split() if each] == TERRACE.split()
+
+
+def test_along_two_axes_both_counts_change() -> None:
+    made = resize(edit.read_text(TERRACE), None, Wanted(x=40.0, y=30.0))
+    assert "int = 13 in" in made.text and "int = 11 in" in made.text

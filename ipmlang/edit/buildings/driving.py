@@ -34,6 +34,7 @@ RATHER = 4.0  # times more than the size that a number may change
 LEAST = 0.02  # of its size that everything keeps
 FIT = 1e-9  # of the size, that a solution may be off
 ALONE = ("size", "translate")  # operations whose numbers are those of one part
+NEARLY = math.log(1.3)  # what is left to a stretch at most
 TRY = 1.07  # times a number, to see what it does
 
 
@@ -79,6 +80,78 @@ def driven(tree: Tree, aim: Aim) -> Draft | None:
             return None
         tree = found
     return tree.draft
+
+
+def counted(tree: Tree, aim: Aim, axis: int, rest: bool) -> Draft | None:
+    """The draft in which a shape comes nearest to the size wanted along an axis by the number of
+    copies that an attribute counts, and a lot that is stretched by what is left; None if there is
+    none, or nearly as much were left. rest: the lot need not do it.
+    """
+    now, wanted = size_of(tree, aim.keys[0], axis), float(aim.size[axis])
+    # A lot that was stretched is counted as it was before, so that the way back leads there.
+    bare = _with_lot(tree, axis, 1.0)
+    if now is None or bare is None:
+        return None
+    for knob in _knobs(bare, aim, axis):
+        found = _by_count(bare, aim, axis, knob) if knob.whole else None
+        reached = None if found is None else size_of(found, aim.keys[0], axis)
+        if found is None or reached is None:
+            continue
+        if abs(math.log(wanted / reached)) > min(NEARLY, abs(math.log(wanted / now)) / 2):
+            continue
+        sizes = np.where(np.arange(3) == axis, reached, aim.size)
+        if _is_meant(tree, found, replace(aim, size=sizes), axis):
+            made = _with_lot(found, axis, wanted / reached)
+            if made is not None and _is_meant(tree, made, aim, axis):
+                return made.draft
+            return found.draft if rest else None
+    return None
+
+
+def _by_count(tree: Tree, aim: Aim, axis: int, knob: Knob) -> Tree | None:
+    """The tree in which something is counted so often that the size is nearly as wanted."""
+    now, wanted = size_of(tree, aim.keys[0], axis), float(aim.size[axis])
+    size, _ = _size_with(tree, aim, axis, knob, knob.value + 1)
+    if now is None or size is None or abs(size - now) <= FIT * now:
+        return None
+    count = float(round(knob.value + (wanted - now) / (size - now)))
+    if not knob.low <= count <= knob.high:
+        return None
+    return tree if count == knob.value else _tried(replace(knob, attr=None), count, tree)
+
+
+def _with_lot(tree: Tree, axis: int, factor: float) -> Tree | None:
+    """The tree with a box for its lot so many times as large as it is without what stretched it
+    before; the tree itself where it has none, or that changes nothing.
+    """
+    items = dict(enumerate(tree.draft.grammar.items))
+    for number, item in items.items():
+        if not isinstance(item, ast.Start) or item.place is None or item.place.kind != "box":
+            continue
+        args = list(item.place.args)
+        if axis >= len(args):
+            continue
+        before, args[axis] = args[axis], _stretched(args[axis], factor)
+        if args[axis] == before:
+            return tree
+        own = replace(item, place=replace(item.place, args=tuple(args)))
+        change = Change(
+            f"the lot's {'xyz'[axis]}", format_expression(before), format_expression(args[axis])
+        )
+        try:
+            return grown(with_items(tree.draft, {number: own}, [change]), like=tree)
+        except IpmError:
+            return None
+    return tree
+
+
+def _stretched(expr: ast.Expr, factor: float) -> ast.Expr:
+    """`w * factor`, in place of a factor near 1 that stands there already."""
+    match expr:
+        case ast.Binary("*", rest, ast.Number(before)) if abs(math.log(before or 2)) <= NEARLY:
+            expr = rest
+    plain = math.isclose(factor, 1.0, rel_tol=1e-9)
+    return expr if plain or number_of(expr) is not None else ast.Binary("*", expr, literal(factor))
 
 
 def _one(tree: Tree, aim: Aim, axis: int) -> Tree | None:

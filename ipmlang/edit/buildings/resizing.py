@@ -21,7 +21,7 @@ from ipmlang.compiler.diagnostics import Diagnostic, IpmError, fail
 from ipmlang.edit.arithmetic import scaled
 from ipmlang.edit.buildings.attachments import Attached, attach, settle, stretching, warped
 from ipmlang.edit.buildings.deciding import Key
-from ipmlang.edit.buildings.driving import Aim, driven
+from ipmlang.edit.buildings.driving import Aim, counted, driven
 from ipmlang.edit.buildings.forms import Forms
 from ipmlang.edit.buildings.growing import grown
 from ipmlang.edit.buildings.measuring import Unit, measured
@@ -140,8 +140,34 @@ def resize(
             return found
         forms.tree = tree.of(_told(draft, meant.refused))
     factor = aim / np.where(size > 0, size, 1.0)
+    if parameters and is_whole(tree, picked[0]):
+        found = _by_counts(forms, picked, meant, factor, seed)
+        if found is not None:
+            return found
     made = _stretched(forms, picked, factor, wanted.along)
     return _with_lot(made, tree, picked[0], factor)
+
+
+def _by_counts(
+    forms: Forms, picked: Sequence[Unit], meant: Aim, factor: Floats, seed: int
+) -> Draft | None:
+    """The draft of a whole with more or fewer of what an attribute counts in it, and the rest
+    stretched; None where no attribute does it, or it would stand there several times all the same.
+    """
+    often = _repeats(forms, picked[0], factor)
+    draft: Draft | None = None
+    for axis in meant.along:
+        tree = forms.tree if draft is None else grown(draft, seed=seed)
+        found = counted(tree, meant, axis, rest=often[axis] > 1)
+        if found is None and often[axis] > 1:
+            return None
+        draft = draft if found is None else found
+    if draft is None:
+        return None
+    x, y, z = (float(meant.size[k]) if k in meant.along else None for k in range(3))
+    with suppress(IpmError):  # nothing is left to do where the lot has taken the rest
+        return resize(draft, None, Wanted(x, y, z), seed=seed, parameters=False)
+    return None
 
 
 def _told(draft: Draft, refused: Sequence[str]) -> Draft:
