@@ -102,6 +102,8 @@ class Arranged:
             second, third = begin + size, begin + 2 * size
             if not (self._alike(begin, second) and self._alike(begin, third)):
                 continue
+            if not self._may_go_on(begin, second, third):
+                continue
             motion = self._motion(begin, second)
             if motion is None:
                 continue
@@ -110,6 +112,13 @@ class Arranged:
             if count >= fewest and (best is None or size * count > best.parts):
                 best = Regular(motion, size, count)
         return best
+
+    def _may_go_on(self, first: int, second: int, third: int) -> bool:
+        """Whether a third part may follow two: where those are not turned, as far behind."""
+        if self.turns[first] != self.turns[second]:
+            return True
+        every = zip(self.places[first], self.places[second], self.places[third], strict=True)
+        return all(abs(c - (a + 2 * (b - a))) <= self.near / 8 for a, b, c in every)
 
     def _count(self, begin: int, size: int, motion: Motion) -> int:
         """How many motifs follow each other."""
