@@ -102,3 +102,32 @@ def test_parts_of_it_are_split_removed_and_pasted(building: Path, tmp_path: Path
     made = pasting.paste(draft, often, other, number=1)
     assert len(grown(made).owner) == count
     assert edit.save(made, tmp_path / "pasted.ipm").terminals == count
+
+
+@pytest.fixture(scope="module")
+def hotel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A house with a hip roof as a grammar with floors and bays."""
+    out = tmp_path_factory.mktemp("inferred") / "hotel.ipm"
+    infer(Path(__file__).parents[2] / "examples/hotel.obj").save(out)
+    return out
+
+
+def test_a_house_made_wide_and_high_has_more_bays_and_floors(hotel: Path) -> None:
+    """Each a little larger; and back again all is as it was."""
+    draft = edit.read(hotel)
+    made = resize(draft, None, Wanted(x=40.0, z=50.0))
+    assert "bays   : int = 13 in" in made.text and "floors : int = 14 in" in made.text
+    assert "Row" not in made.text
+    check_touching(grown(draft), grown(made))
+    size = grown(draft).size[0]
+    back = resize(made, None, Wanted(x=float(size[0]), z=float(size[2])))
+    assert back.text == draft.text
+
+
+def test_no_house_stands_on_a_roof(hotel: Path) -> None:
+    """A house whose floors no attribute counts is stretched, not stacked."""
+    text = hotel.read_text(encoding="utf-8").replace("3 * floors", "12")
+    path = hotel.with_name("fixed.ipm")
+    path.write_text(text, encoding="utf-8")
+    made = resize(edit.read(path), None, Wanted(z=50.0))
+    assert "Row" not in made.text

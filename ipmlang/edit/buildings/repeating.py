@@ -19,7 +19,6 @@ from ipmlang.edit.buildings.measuring import Unit
 from ipmlang.edit.buildings.rewriting import Placed, rewritten
 from ipmlang.edit.buildings.units import tolerance
 from ipmlang.edit.draft import Draft
-from ipmlang.inverse.frames import Floats
 from ipmlang.inverse.split.placing import Precision
 from ipmlang.inverse.split.wording import NOTHING, bracket, call, times
 
@@ -56,17 +55,17 @@ def repeated(draft: Draft, symbol: str, axis: int, count: int) -> Draft:
 
 
 def can_stand_on(forms: Forms, unit: Unit) -> bool:
-    """Whether a building has a top as wide as its ground, on which another one can stand."""
-    low, high = forms.tree.boxes(np.eye(3))
-    rows = forms.measured.rows(unit)
-    near = tolerance(forms.tree)
-    first, last = low[rows], high[rows]
-    ground = first[:, 2] <= first[:, 2].min() + near
-    top = last[:, 2] >= last[:, 2].max() - near
-
-    def begin_end(chosen: Floats) -> Floats:
-        return np.stack([first[chosen, :2].min(axis=0), last[chosen, :2].max(axis=0)])
-
-    below, above = begin_end(ground), begin_end(top)
-    shared = np.minimum(below[1], above[1]) - np.maximum(below[0], above[0])
-    return bool((shared >= STANDS * (below[1] - below[0])).all())
+    """Whether a building has a top as wide as its ground, on which another one can stand: no roof,
+    whose box is as wide but not its ridge.
+    """
+    tree, rows = forms.tree, forms.measured.rows(unit)
+    drawn = zip(
+        rows, tree.maps["terminal"].out[rows], tree.terminals.frames.position[rows], strict=True
+    )
+    points = np.concatenate([tree.outline(row) @ out.T + place for row, out, place in drawn])
+    near, height = tolerance(tree), points[:, 2]
+    ground = points[height <= height.min() + near, :2]
+    top = points[height >= height.max() - near, :2]
+    shared = np.minimum(ground.max(axis=0), top.max(axis=0))
+    shared -= np.maximum(ground.min(axis=0), top.min(axis=0))
+    return bool((shared >= STANDS * np.ptp(ground, axis=0)).all())
