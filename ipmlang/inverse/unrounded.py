@@ -16,8 +16,7 @@ import numpy as np
 
 from ipmlang.formats.drawing import ARC, CUBIC, LINE, QUADRATIC, Drawing, DrawnElement, Outline
 from ipmlang.inverse.lattices.build import Lattice
-from ipmlang.inverse.lattices.choice import NOISE
-from ipmlang.inverse.lattices.find import find_lattices
+from ipmlang.inverse.lattices.find import Memory, lattices_once
 from ipmlang.inverse.lattices.formula import fitted_formula
 from ipmlang.inverse.lattices.unrounding import Before, Rounded, Work, before_rounding
 from ipmlang.inverse.lsystem.frames import Complexes, apply, compose, inverse
@@ -36,6 +35,7 @@ TURNED = 2.0  # and of what lies at the edge of a shape by its angle and size
 FINE = 1e-3  # of the usual tolerances: what is near the middle of two decimals must not be moved
 PROOF = 0.25  # of the last decimal: what any point of the result may be off
 LARGEST = 0.05  # radians, and share of its size, that a small shape is turned and grown by rounding
+NOISE = 0.0  # of the step: rounding is no noise, and what is noisier has no plain numbers
 LEAST = 6  # members of a lattice
 MOST = 2000  # elements
 PART = 0.1  # of the elements that must have been on lattices
@@ -70,10 +70,11 @@ def unrounded(drawing: Drawing) -> Unrounded | None:
     exact = observe(drawing)
     upward = [each.real + 1j * (exact.flip - each.imag) for each in points]
     moved, work = dict[int, Moved](), Work()
+    searched: Memory = {}
     for apart in APART:
         loose = observe(drawing, apart * grain / exact.diagonal)
         for shape in loose.classes:
-            _move(loose, shape, upward, grain, moved, work)
+            _move(loose, shape, upward, grain, moved, work, searched)
     off = [np.abs(new - upward[row]).max() for row, (new, _) in moved.items()]
     far = sum(bool(each > exact.tolerance) for each in off)
     if far < max(LEAST, PART * len(points)):
@@ -164,8 +165,11 @@ def _move(
     grain: float,
     moved: dict[int, Moved],
     work: Work,
+    searched: Memory,
 ) -> None:
-    """Add to `moved` the points, by row, of members of lattices of one shape, before rounding."""
+    """Add to `moved` the points, by row, of members of lattices of one shape, before rounding;
+    searched: what was found among the same frames, which is added to.
+    """
     if shape.fragment is not None or shape.kind == "point":
         return
     around = shape.symmetry.order == 0
@@ -174,7 +178,7 @@ def _move(
     for own in _alike(seen, shape, moved):
         placed = seen.frames[own]
         size = (placed, keeps, around, shape.radius)
-        for lattice in find_lattices(*size, near, NOISE, own, LARGEST):
+        for lattice in lattices_once(searched, *size, near, NOISE, own, LARGEST):
             rows = own[lattice.rows].tolist()
             if any(row in moved for row in rows):
                 continue

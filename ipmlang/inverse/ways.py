@@ -18,7 +18,8 @@ from ipmlang.inverse.aliases import drop_aliases
 from ipmlang.inverse.baselines import settle_baselines
 from ipmlang.inverse.boards import Block
 from ipmlang.inverse.grammar_file import Subject, Written, write_grammar
-from ipmlang.inverse.lattices.choice import Memory, with_lattices
+from ipmlang.inverse.lattices.choice import with_lattices
+from ipmlang.inverse.lattices.find import Memory
 from ipmlang.inverse.lattices.spared import Said, layers_weight, said
 from ipmlang.inverse.lsystem.curves import moved
 from ipmlang.inverse.lsystem.fits import Fits

@@ -8,12 +8,11 @@ looked for. Nothing here prints.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TypeAlias
 
 import numpy as np
 
 from ipmlang.inverse.lattices.build import Lattice
-from ipmlang.inverse.lattices.find import find_lattices
+from ipmlang.inverse.lattices.find import Memory, lattices_once
 from ipmlang.inverse.lattices.formula import LatticeRule, lattice_rule
 from ipmlang.inverse.lattices.spared import Said
 from ipmlang.inverse.lattices.weighing import LAYER, RULE, Weighing, layering, runs
@@ -23,8 +22,6 @@ from ipmlang.inverse.lsystem.symbols import Alphabet, Arrangement, Integers, joi
 LEAST = 4  # placements of one symbol among which anything is looked for
 NOISE = 0.015  # of the step: what members may be off and still belong
 ROUNDS = 4  # of looking again at what is left of one symbol
-
-Memory: TypeAlias = "dict[bytes, list[Lattice]]"
 
 
 def with_lattices(
@@ -137,21 +134,16 @@ def _lattices(
     if len(rows) < LEAST:
         return []
     definition, placed = alphabet[symbol], string.placed[rows]
-    group = definition.stabiliser
-    columns = (placed.x, placed.y, placed.angle, placed.scale, placed.handedness, group.angle)
-    sizes = np.array([definition.radius, alphabet.tolerance, definition.free])
-    key = b"".join(each.tobytes() for each in (*columns, string.start[rows], sizes))
-    if key not in known:
-        known[key] = find_lattices(
-            placed,
-            group,
-            definition.free,
-            definition.radius,
-            2 * alphabet.tolerance,
-            NOISE,
-            string.start[rows],
-        )
-    return known[key]
+    return lattices_once(
+        known,
+        placed,
+        definition.stabiliser,
+        definition.free,
+        definition.radius,
+        2 * alphabet.tolerance,
+        NOISE,
+        string.start[rows],
+    )
 
 
 def _of_symbol(

@@ -45,6 +45,11 @@ class Cloud:
     loose: float
     find: Callable[[Complexes, Floats | float], Integers]
 
+    @property
+    def shares(self) -> tuple[float, ...]:
+        """Shares of the step that what is looked for may be off, exact places first."""
+        return (0.0, self.loose) if self.loose else (0.0,)
+
     def __len__(self) -> int:
         return len(self.at)
 

@@ -11,6 +11,7 @@ member with least squares, and all work is bounded.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TypeAlias
 
 import numpy as np
 
@@ -40,6 +41,28 @@ NESTS = 400  # places where scales are looked at
 LARGE = 9  # members of a grid in which nothing bent is looked for
 SHARED = 0.8  # of its members in a better lattice: not reported
 
+Memory: TypeAlias = "dict[bytes, list[Lattice]]"
+
+
+def lattices_once(
+    memory: Memory,
+    placed: Frames,
+    stabiliser: Frames,
+    free: bool,
+    radius: float,
+    exact: float,
+    loose: float,
+    order: Integers,
+    turned: float = TURNED,
+) -> list[Lattice]:
+    """What `find_lattices` finds, looked for once; memory: of searches before, added to."""
+    columns = (placed.x, placed.y, placed.angle, placed.scale, placed.handedness, stabiliser.angle)
+    sizes = np.array([radius, exact, free, loose, turned])
+    key = b"".join(each.tobytes() for each in (*columns, order, sizes))
+    if key not in memory:
+        memory[key] = find_lattices(placed, stabiliser, free, radius, exact, loose, order, turned)
+    return memory[key]
+
 
 def find_lattices(
     placed: Frames,
@@ -55,8 +78,9 @@ def find_lattices(
 
     placed: (n,) world frames; stabiliser: (k,) frames that map the symbol onto itself, identity
     first; free: any turn does too; radius: extent of the symbol at scale 1; exact: units within
-    which something is exact; loose: share of the local step that members may be off; order: (n,)
-    paint ranks; turned: radians, and share of its size, that an exact one may be off.
+    which something is exact; loose: share of the local step that members may be off, 0 where only
+    what is exact is looked for; order: (n,) paint ranks; turned: radians, and share of its size,
+    that an exact one may be off.
     """
     if len(placed) < LEAST:
         return []
@@ -99,7 +123,7 @@ def _layers(known: Instances, spots: Complexes) -> tuple[list[Integers], list[In
 def _in_layer(known: Instances, spots: Complexes, points: Integers) -> list[Lattice]:
     """Lattices of instances (p,) at different places."""
     seen = cloud(spots[points], known.exact, known.loose)
-    shares = (0.0, known.loose)
+    shares = seen.shares
     used = np.zeros(len(points), np.bool_)
     nets = [net for share in shares for net in find_nets(seen, used, share)]
     bent = np.zeros(len(points), np.bool_)
@@ -137,7 +161,7 @@ def _in_stack(known: Instances, spots: Complexes, points: Integers) -> list[Latt
     for along in (size, np.log(size) * float(size.min())):
         seen = cloud(along.astype(np.complex128), known.exact, known.loose, straight=True)
         used = np.zeros(len(points), np.bool_)
-        rows = [row for share in (0.0, known.loose) for row in find_rows(seen, used, share)]
+        rows = [row for share in seen.shares for row in find_rows(seen, used, share)]
         still = Model("line", np.array([middle.real, middle.imag, 0.0, 0.0]))
         nests = [Chain(still, row.index, row.rows, row.reach) for row in rows]
         made = [of_chain(known, nest, points, nest=True) for nest in nests]

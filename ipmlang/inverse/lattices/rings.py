@@ -183,7 +183,7 @@ def find_sunflowers(known: Cloud, used: Mask) -> list[Chain]:
     for patch in _patches(known, used):
         sure = []
         for first, index, rows in _middles(known, patch):
-            for share in (0.0, known.loose):
+            for share in known.shares:
                 chain = grow(known, first, index, rows, used, share)
                 if chain is not None and believable(known, chain, 100.0):
                     sure.append(chain)

@@ -52,7 +52,7 @@ def _even(known: Cloud, along: Floats) -> list[Chain]:
     """Even steps among numbers (k,), exact ones before noisy ones."""
     seen = cloud(along.astype(np.complex128), known.exact, known.loose, straight=True)
     used = np.zeros(len(along), np.bool_)
-    return [row for share in (0.0, known.loose) for row in find_rows(seen, used, share)]
+    return [row for share in seen.shares for row in find_rows(seen, used, share)]
 
 
 def _placed(
