@@ -321,3 +321,11 @@ def test_a_size_between_two_counts_has_the_nearer_one_and_a_lot_that_fits(
 def test_along_two_axes_both_counts_change() -> None:
     made = resize(edit.read_text(TERRACE), None, Wanted(x=40.0, y=30.0))
     assert "int = 13 in" in made.text and "int = 11 in" in made.text
+
+
+def test_a_size_out_of_all_proportion_is_not_counted_up_to() -> None:
+    """Millions of bays would be derived to find out that there is no memory for them."""
+    made = resize(edit.read_text(TERRACE), None, Wanted(x=1e7))
+    assert "attr bays   : int = 6 in" in made.text
+    with pytest.raises(IpmError, match=r"nothing can be made 1e\+300 large"):
+        Wanted(x=1e300)

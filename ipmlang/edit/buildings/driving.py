@@ -21,6 +21,7 @@ from ipmlang.edit.arithmetic import literal, number_of
 from ipmlang.edit.buildings.deciding import Key, deciding
 from ipmlang.edit.buildings.growing import grown, tree_of
 from ipmlang.edit.buildings.measuring import Measured
+from ipmlang.edit.buildings.rebuilding import MOST
 from ipmlang.edit.buildings.soundness import came_apart, follows, kinds_of, out_of_line, runs_into
 from ipmlang.edit.buildings.tree import Tree
 from ipmlang.edit.buildings.units import is_whole, tolerance
@@ -115,7 +116,7 @@ def _by_count(tree: Tree, aim: Aim, axis: int, knob: Knob) -> Tree | None:
     if now is None or size is None or abs(size - now) <= FIT * now:
         return None
     count = float(round(knob.value + (wanted - now) / (size - now)))
-    if not knob.low <= count <= knob.high:
+    if not knob.low <= count <= knob.high or count > MOST * max(1.0, abs(knob.value)):
         return None
     return tree if count == knob.value else _tried(replace(knob, attr=None), count, tree)
 
@@ -230,6 +231,8 @@ def _solved(tree: Tree, wanted: Aim, axis: int, knob: Knob) -> tuple[Tree, float
     far = RATHER * max(aim / y, y / aim) if y > 0 else RATHER
     for _ in range(STEPS):
         if x and not 1 / far <= abs(guess / knob.value) <= far:
+            return None
+        if knob.whole and abs(guess) > MOST * max(1.0, abs(knob.value)):
             return None
         if not knob.low <= guess <= knob.high:
             if not looking:

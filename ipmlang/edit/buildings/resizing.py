@@ -8,7 +8,6 @@ become rows of themselves, neighbours squeezed to less than 0.4 times are joined
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -36,6 +35,7 @@ from ipmlang.inverse.frames import Floats, Frames, linear
 
 SMALLEST = 10  # times how near touches, that something is at least
 SAME = 1e-9
+LARGEST = 1e12  # what a size or a factor is below
 UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -59,8 +59,9 @@ class Wanted:
             hint = "say which: --x 24, or --scale --x 1.5"
             raise fail("bad-command", "no size is given", hint=hint)
         for each in given:
-            if not 0 < each < math.inf:
+            if not 0 < each < LARGEST:
                 message = f"nothing can be made {each:g} large: a size is above 0"
+                message += "" if each <= 0 else f" and below {LARGEST:g}"
                 raise fail("bad-command", message)
 
     @property
