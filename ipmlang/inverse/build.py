@@ -18,7 +18,7 @@ from ipmlang.inverse.boards import Printed, printed_block
 from ipmlang.inverse.lattices.formula import Formula
 from ipmlang.inverse.lattices.printing import PLAIN, Handles, printed, whole
 from ipmlang.inverse.lsystem.frames import Frames, Row
-from ipmlang.inverse.moves import around, call, even_place, polar_place, turns, turtle_step
+from ipmlang.inverse.moves import around, call, even_place, placing, polar_place, turtle_step
 from ipmlang.inverse.naming import Names
 from ipmlang.inverse.numbers import ROOM, linear, number, settled, shortest
 from ipmlang.inverse.reach import Reach
@@ -154,19 +154,7 @@ class Builder:
         return ast.Module(self.names[family])
 
     def _moves(self, rule: int, part: int, place: Row) -> tuple[ast.Element, ...]:
-        errors = self._errors(rule, part, place[3])
-        x, y = (settled(each, errors[0]) for each in place[:2])
-        angle, scale = settled(place[2], errors[1]), settled(place[3], errors[2], 1.0)
-        made: list[ast.Element] = []
-        if x or y:
-            numbers = [x, y] + ([angle] if angle or scale != 1 else [])
-            numbers += [scale] if scale != 1 else []
-            made.append(call("at", *(number(each) for each in numbers)))
-        else:
-            made += turns(angle, scale)
-        if place[4] < 0:
-            made.append(ast.Module("mirror"))
-        return tuple(made)
+        return placing(place, self._errors(rule, part, place[3]))
 
     def _errors(self, rule: int, part: int, scale: float) -> tuple[float, float, float]:
         """What positions, angles and factors of a place may be off."""

@@ -9,8 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from ipmlang.compiler import ast
+from ipmlang.inverse.lsystem.frames import Row
 from ipmlang.inverse.lsystem.patterns import Pattern
-from ipmlang.inverse.numbers import is_whole_turn, linear, number, quadratic
+from ipmlang.inverse.numbers import is_whole_turn, linear, number, quadratic, settled
 
 
 def call(name: str, *args: ast.Expr) -> ast.Module:
@@ -25,6 +26,24 @@ def turns(angle: float, scale: float) -> tuple[ast.Element, ...]:
         made.append(call("+" if angle > 0 else "-", ast.Number(abs(angle))))
     if scale != 1:
         made.append(call("*", ast.Number(scale)))
+    return tuple(made)
+
+
+def placing(place: Row, errors: tuple[float, float, float]) -> tuple[ast.Element, ...]:
+    """`at(x, y, angle, scale) mirror`, what is nothing left out; errors: what positions, angles and
+    factors may be off.
+    """
+    x, y = (settled(each, errors[0]) for each in place[:2])
+    angle, scale = settled(place[2], errors[1]), settled(place[3], errors[2], 1.0)
+    made: list[ast.Element] = []
+    if x or y:
+        numbers = [x, y] + ([angle] if angle or scale != 1 else [])
+        numbers += [scale] if scale != 1 else []
+        made.append(call("at", *(number(each) for each in numbers)))
+    else:
+        made += turns(angle, scale)
+    if place[4] < 0:
+        made.append(ast.Module("mirror"))
     return tuple(made)
 
 

@@ -90,7 +90,7 @@ def counted(tree: Tree, aim: Aim, axis: int, rest: bool) -> Draft | None:
     """
     now, wanted = size_of(tree, aim.keys[0], axis), float(aim.size[axis])
     # A lot that was stretched is counted as it was before, so that the way back leads there.
-    bare = _with_lot(tree, axis, 1.0)
+    bare = _on_lot(tree, axis, 1.0)
     if now is None or bare is None:
         return None
     for knob in _knobs(bare, aim, axis):
@@ -102,7 +102,7 @@ def counted(tree: Tree, aim: Aim, axis: int, rest: bool) -> Draft | None:
             continue
         sizes = np.where(np.arange(3) == axis, reached, aim.size)
         if _is_meant(tree, found, replace(aim, size=sizes), axis):
-            made = _with_lot(found, axis, wanted / reached)
+            made = _on_lot(found, axis, wanted / reached)
             if made is not None and _is_meant(tree, made, aim, axis):
                 return made.draft
             return found.draft if rest else None
@@ -121,7 +121,7 @@ def _by_count(tree: Tree, aim: Aim, axis: int, knob: Knob) -> Tree | None:
     return tree if count == knob.value else _tried(replace(knob, attr=None), count, tree)
 
 
-def _with_lot(tree: Tree, axis: int, factor: float) -> Tree | None:
+def _on_lot(tree: Tree, axis: int, factor: float) -> Tree | None:
     """The tree with a box for its lot so many times as large as it is without what stretched it
     before; the tree itself where it has none, or that changes nothing.
     """
@@ -132,7 +132,7 @@ def _with_lot(tree: Tree, axis: int, factor: float) -> Tree | None:
         args = list(item.place.args)
         if axis >= len(args):
             continue
-        before, args[axis] = args[axis], _stretched(args[axis], factor)
+        before, args[axis] = args[axis], _times(args[axis], factor)
         if args[axis] == before:
             return tree
         own = replace(item, place=replace(item.place, args=tuple(args)))
@@ -146,7 +146,7 @@ def _with_lot(tree: Tree, axis: int, factor: float) -> Tree | None:
     return tree
 
 
-def _stretched(expr: ast.Expr, factor: float) -> ast.Expr:
+def _times(expr: ast.Expr, factor: float) -> ast.Expr:
     """`w * factor`, in place of a factor near 1 that stands there already."""
     match expr:
         case ast.Binary("*", rest, ast.Number(before)) if abs(math.log(before or 2)) <= NEARLY:

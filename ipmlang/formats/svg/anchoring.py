@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from decimal import Decimal, InvalidOperation
 
+from ipmlang.formats.svg.units import words
 from ipmlang.formats.svg.xml import Node
 
 PLACES = ("x", "y")
@@ -30,7 +31,7 @@ def anchor(node: Node, own: Mapping[str, str], sized: Callable[[str, str], str])
         if one.name not in _MOVING:
             return None
         for name in PLACES:
-            if any(_number(word) is None for word in _words(sized(name, one.get(name) or ""))):
+            if any(_number(word) is None for word in words(sized(name, one.get(name) or ""))):
                 return None
         pending.extend(one.children)
     x, y = (_first(sized(name, node.get(name) or "")) for name in PLACES)
@@ -43,16 +44,12 @@ def moved(value: str, by: Decimal) -> str:
     >>> moved("40.1, 52", Decimal("30.1"))
     '10 21.9'
     """
-    return " ".join(_shown(Decimal(word) - by) for word in _words(value))
+    return " ".join(_shown(Decimal(word) - by) for word in words(value))
 
 
 def _first(value: str) -> Decimal:
-    words = _words(value)
-    return Decimal(words[0]) if words else Decimal(0)
-
-
-def _words(value: str) -> list[str]:
-    return value.replace(",", " ").split()
+    own = words(value)
+    return Decimal(own[0]) if own else Decimal(0)
 
 
 def _number(word: str) -> Decimal | None:

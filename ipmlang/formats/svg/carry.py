@@ -20,7 +20,7 @@ from ipmlang.formats.svg.cascade import Computed
 from ipmlang.formats.svg.context import Source, own_transform
 from ipmlang.formats.svg.properties import INHERITED, INITIAL, PRESENTATION
 from ipmlang.formats.svg.transforms import IDENTITY
-from ipmlang.formats.svg.units import length, shown
+from ipmlang.formats.svg.units import length, shown, words
 from ipmlang.formats.svg.xml import XML_LANG, XML_SPACE, Node
 
 _REFERENCE = re.compile(r"""url\(\s*(["']?)#([^"')]+)\1\s*\)""")
@@ -308,13 +308,9 @@ def _sized(name: str, value: str, viewport: tuple[float, float] | None) -> str:
     if viewport is None or "%" not in value or name not in _SIZED:
         return value
     whole = viewport[1] if name in ("y", "dy", "height", "cy", "ry", "y1", "y2") else viewport[0]
-    sizes = (length(word, whole) if "%" in word else None for word in _words(value))
-    pairs = zip(_words(value), sizes, strict=True)
+    sizes = (length(word, whole) if "%" in word else None for word in words(value))
+    pairs = zip(words(value), sizes, strict=True)
     return " ".join(word if size is None else shown(size) for word, size in pairs)
-
-
-def _words(value: str) -> list[str]:
-    return value.replace(",", " ").split()
 
 
 def with_definitions(carried: Carried) -> str:

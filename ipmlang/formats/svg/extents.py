@@ -9,7 +9,7 @@ from __future__ import annotations
 from ipmlang.formats.svg.cascade import Cascade, Computed
 from ipmlang.formats.svg.shapes import Measures
 from ipmlang.formats.svg.transforms import Box
-from ipmlang.formats.svg.units import length
+from ipmlang.formats.svg.units import length, words
 from ipmlang.formats.svg.xml import Node
 
 _GLYPH_WIDTH = 1.4
@@ -52,6 +52,5 @@ def text_box(node: Node, style: Computed, cascade: Cascade, whole: Box) -> Box |
 
 
 def _lengths(text: str | None, whole: float, font_size: float) -> list[float]:
-    words = (text or "").replace(",", " ").split()
-    found = (length(word, whole, font_size) for word in words)
+    found = (length(word, whole, font_size) for word in words(text or ""))
     return [value for value in found if value is not None]

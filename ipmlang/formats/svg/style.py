@@ -14,7 +14,7 @@ from ipmlang.formats.svg.limits import Notes
 from ipmlang.formats.svg.paint import Paints, Site
 from ipmlang.formats.svg.properties import INITIAL
 from ipmlang.formats.svg.transforms import Matrix
-from ipmlang.formats.svg.units import diagonal, length, number, number_or_percent, shown
+from ipmlang.formats.svg.units import diagonal, length, number, number_or_percent, shown, words
 
 _OF_FILL = ("fill-rule",)
 _OF_STROKE = ("stroke-linecap", "stroke-linejoin", "vector-effect")
@@ -100,7 +100,7 @@ class Styles:
         if text == "none":
             return ()
         whole, font_size = diagonal(site.viewport), site.style.font_size
-        found = [length(word, whole, font_size) for word in text.replace(",", " ").split()]
+        found = [length(word, whole, font_size) for word in words(text)]
         dashes = [dash for dash in found if dash is not None and dash >= 0]
         if len(dashes) != len(found):
             self._notes.add("bad-value", f"`{text[:40]}` is no stroke-dasharray")

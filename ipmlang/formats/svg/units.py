@@ -52,6 +52,11 @@ def number_or_percent(text: str | None) -> float | None:
     return number(text)
 
 
+def words(text: str) -> list[str]:
+    """The words of a list, between which blanks or commas stand."""
+    return text.replace(",", " ").split()
+
+
 def length(text: str | None, whole: float = 0.0, font_size: float = 16.0) -> float | None:
     """A length in user units; `whole` is what a percentage is a part of.
 

@@ -15,6 +15,7 @@ from ipmlang.compiler import ast
 from ipmlang.compiler.places import SHAPE
 from ipmlang.inverse.boards.board import Board
 from ipmlang.inverse.boards.coordinates import Coordinate
+from ipmlang.inverse.boards.raster import Raster
 from ipmlang.inverse.lsystem.frames import Floats
 from ipmlang.inverse.moves import call
 from ipmlang.inverse.naming import Names, capital
@@ -139,15 +140,20 @@ def _indices(board: Board, columns: Mapping[str, object]) -> tuple[ast.Expr, ast
     """Which step along the line, and which line node k is."""
     if board.full and not columns:
         return ast.Name("i"), ast.Name("j")
+    return on_lines(board.raster)
+
+
+def on_lines(raster: Raster) -> tuple[ast.Expr, ast.Expr]:
+    """Which step along its line node k of a raster is, and on which line."""
     k: ast.Expr = ast.Name("k")
-    across = ast.Number(float(board.raster.across))
-    skipped = int(board.raster.node[0])
+    across = ast.Number(float(raster.across))
+    skipped = int(raster.node[0])
     if skipped:
         k = ast.Binary("+", k, ast.Number(float(skipped)))
-    return function("mod", k, across), function("floor", ast.Binary("/", k, across))
+    return _function("mod", k, across), _function("floor", ast.Binary("/", k, across))
 
 
-def function(name: str, *args: ast.Expr) -> ast.Call:
+def _function(name: str, *args: ast.Expr) -> ast.Call:
     return ast.Call(name, tuple(ast.Argument(each) for each in args))
 
 
@@ -155,7 +161,7 @@ def _size(board: Board) -> ast.Expr:
     """The size of what stands on a node, 0 of what has none."""
     size = ast.Name(f"{ROW}.{SIZE}")
     coded = any(code < 0 for part, code in board.codes.items() if part is not None)
-    return function("max", size, ast.Number(0.0)) if coded else size
+    return _function("max", size, ast.Number(0.0)) if coded else size
 
 
 def formula(
@@ -164,7 +170,7 @@ def formula(
     """`first + along * i + down * j`, and what else the coordinate says; index: i, j and size."""
     first, *slopes = coordinate.terms
     i, j, size = index
-    odd = function("mod", j, ast.Number(2.0))
+    odd = _function("mod", j, ast.Number(2.0))
     factors: list[ast.Expr] = [i, j, odd, size]
     made: ast.Expr | None = None if first == 0 else number(first)
     for slope, factor in zip((*slopes, coordinate.by), factors, strict=True):
@@ -205,6 +211,6 @@ def _steps(coordinate: Coordinate, i: ast.Expr, j: ast.Expr) -> ast.Expr:
 
 def _rounded(value: ast.Expr, grain: float) -> ast.Expr:
     if grain == 1:
-        return function("round", value)
-    whole = function("round", ast.Binary("*", ast.Number(grain), value))
+        return _function("round", value)
+    whole = _function("round", ast.Binary("*", ast.Number(grain), value))
     return ast.Binary("/", whole, ast.Number(grain))

@@ -11,13 +11,13 @@ import numpy as np
 
 from ipmlang.compiler import ast
 from ipmlang.compiler.places import SHAPE
-from ipmlang.inverse.boards.board_printing import ROW, Printed, formula, function
+from ipmlang.inverse.boards.board_printing import ROW, Printed, formula, on_lines
 from ipmlang.inverse.boards.labelled import Labelled
 from ipmlang.inverse.lsystem.frames import Row
 from ipmlang.inverse.lsystem.symbols import Integers
-from ipmlang.inverse.moves import call, turns
+from ipmlang.inverse.moves import call, placing
 from ipmlang.inverse.naming import Names
-from ipmlang.inverse.numbers import number, settled
+from ipmlang.inverse.numbers import number
 
 TURN = 1e-9  # degrees, and share of a size, that a symbol inside may be off
 
@@ -87,25 +87,10 @@ def _index(labelled: Labelled) -> tuple[ast.Expr, ast.Expr]:
     """Which step along a line, and which line."""
     if not _in_lines(labelled):
         return ast.Name("i"), ast.Number(0.0)
-    k: ast.Expr = ast.Name("k")
-    skipped = int(labelled.raster.node[0])
-    if skipped:
-        k = ast.Binary("+", k, ast.Number(float(skipped)))
-    across = ast.Number(float(labelled.raster.across))
-    return function("mod", k, across), function("floor", ast.Binary("/", k, across))
+    return on_lines(labelled.raster)
 
 
 def _thing(name: str, place: Row, error: float) -> ast.Element:
     """`[at(x, y, angle, scale) mirror A]`, what is nothing left out."""
-    x, y = (settled(each, error / 4) for each in place[:2])
-    angle, scale = settled(place[2], TURN), settled(place[3], TURN, 1.0)
-    moves: list[ast.Element] = []
-    if x or y:
-        numbers = (
-            [x, y] + ([angle] if angle or scale != 1 else []) + ([scale] if scale != 1 else [])
-        )
-        moves.append(call("at", *map(number, numbers)))
-    else:
-        moves += turns(angle, scale)
-    moves += [ast.Module("mirror")] * (place[4] < 0)
+    moves = placing(place, (error / 4, TURN, TURN))
     return ast.Bracket((*moves, ast.Module(name))) if moves else ast.Module(name)
